@@ -30,7 +30,7 @@ fn a_stderr_that_nobody_reads_ends_no_command_half_way() {
     study.write("t.toml", "name = 't'\n[[stage]]\nname = 'a'\ncmd = ['sh', '-c', 'echo x >&2; echo y > made']\noutputs = ['made']\n");
     for (line, status) in [
         ("run t.toml", 0),
-        ("run t.toml --why nothing", 1),
+        ("run t.toml --why nothing", 2),
         ("train", 2),
         ("frobnicate", 2),
         ("ingest nowhere.mcap --out d", 1),
@@ -160,6 +160,26 @@ fn a_sample_of_two_and_a_half_people_is_refused() {
     study
         .maveric(&["stats", "power", "power.csv"])
         .failed(1, &["row 1", "`n`", "2.5", "whole number"]);
+}
+
+#[test]
+fn power_takes_a_printed_partial_eta_squared_by_a_column_of_its_own() {
+    let study = TempStudy::new();
+    let power = |rows: &str| {
+        let text = format!("test,n,effect,eta2_partial,alpha,k,corr,epsilon\n{rows}");
+        study.write("power.csv", text);
+        study.maveric(&["stats", "power", "power.csv", "--format", "json"])
+    };
+    let both = power("rm_anova,24,,.08,.05,4,,1\nrm_anova,24,.08,,.05,4,.5,1\n").ok();
+    let both: serde_json::Value = serde_json::from_str(&both.stdout).unwrap();
+    assert_eq!(both["row"][0]["n_for_80"], 45);
+    assert_eq!(both["row"][1]["n_for_80"], 18);
+    let twice = power("rm_anova,24,.03,.08,.05,4,.5,1\n");
+    twice.failed(1, &["row 1", "`effect`", "eta2_partial"]);
+    let unread = power("rm_anova,24,,.08,.05,4,.5,1\n");
+    unread.failed(1, &["row 1", "`corr`", "eta2_partial"]);
+    let neither = power("rm_anova,24,,,.05,4,.5,1\n");
+    neither.failed(1, &["row 1", "`effect`", "a number"]);
 }
 
 #[test]

@@ -356,8 +356,8 @@ fn an_effect_of_which_everybody_orders_the_levels_alike_is_said_wherever_effects
     };
     // χ² of n people and three levels is 2 n where all agree.
     row("omnibus", "tor_s,,condition,chi2,20,40,2,,");
-    row("simple-effects", "tor_s,condition,experience,n,24,2,,");
-    row("simple-effects", "tor_s,condition,experience,e,16,2,,");
+    row("simple-effects", "tor_s,condition,experience,n,12,24,2,,");
+    row("simple-effects", "tor_s,condition,experience,e,8,16,2,,");
     let said = ["condition: *χ*<sup>2</sup>(2, *N* = 20) = 40.00, *p* < .001"];
     tells(&study.read("mine/report/manuscript/results.md"), &said);
     Page::read(&study.path("mine/report/index.html")).says(&["F has no bound"]);
@@ -374,7 +374,7 @@ fn the_call_that_an_export_gives_finds_the_numbers_of_the_page() {
     let call = argv(call.split('`').next().unwrap());
     let call = [&["stats", "compare"][..], &call[..], &["--apa"]].concat();
     let again = study.maveric_in("shared", &call).ok();
-    let said = "χ²(2, N = 20) = 40.00, p < .001, W = 1.00";
+    let said = "χ²(2, N = 20) = 40.00, p_exact < .001, W = 1.00";
     let over = format!("Take-over time over the conditions: {said}");
     tells(&found.stdout, &[over.as_str()]);
     tells(&again.stdout, &[format!("omnibus: {said}").as_str()]);

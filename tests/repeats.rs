@@ -233,6 +233,13 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
         .collect();
     assert_eq!(at, BTreeSet::from(["30.0", "60.0", "90.0"]));
     Page::read(&study.path("mine/report/index.html")).says(&["Trust", "Calm and Sporty"]);
+    let manuscript = |file: &str| study.read(&format!("mine/report/manuscript/{file}"));
+    let (methods, results) = (manuscript("methods.md"), manuscript("results.md"));
+    assert!(methods.contains("Everybody rides 2 times"), "{methods}");
+    assert!(
+        results.contains("## The second session") && results.contains("*ICC*(2,1) = "),
+        "{results}"
+    );
     // What is given away says the same, under pseudonyms.
     study.write("mine/key.txt", "a secret of more than sixteen letters");
     study.mine("export --out given --key key.txt").ok();

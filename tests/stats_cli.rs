@@ -91,6 +91,14 @@ fn answers_with_yes_or_no_are_read_in_words_and_numbers_and_nothing_else() {
         &rows.replace("TRUE", "maybe").replace("true", "maybe"),
     )
     .failed(1, &["d.csv: row 5, column `v`", "maybe", "yes or no"]);
+    let wide = "who,x,y\na,yes,no\nb,no,no\nc,true,FALSE\nd,1,0\n";
+    for call in ["mcnemar", "cochran-q"] {
+        let found = json(&study, &format!("{call} --wide x,y"), wide);
+        assert_eq!(found["n"], 4, "{call}");
+        let bad = wide.replace("c,true,FALSE", "c,true,2");
+        let said = ["d.csv: row 3, column `y`", "`2`", "yes or no"];
+        stats(&study, &format!("{call} --wide x,y"), &bad).failed(1, &said);
+    }
     let three = format!("{rows}p0,z,yes\np1,z,no\np2,z,no\np3,z,no\np4,z,no\n");
     within(&study, "mcnemar", &three).failed(1, &["cochran-q"]);
 }
@@ -220,6 +228,24 @@ fn a_wide_table_and_chosen_rows_give_what_the_long_table_gives() {
         assert_eq!(found["omnibus"], expected["omnibus"]);
         assert_eq!(found["posthoc"]["pairs"], expected["posthoc"]["pairs"]);
     }
+    // Under names of one's own, and by calls that can do without conditions.
+    let call = "compare --wide slow,fast,other --where phase=2 --within pace --value trust";
+    assert_eq!(json(&study, call, WIDE)["omnibus"], expected["omnibus"]);
+    for test in ["equivalence --bounds=-1,1", "bayes"] {
+        let long = json(&study, &format!("{test} {SCORE}"), SCORES);
+        for subject in ["", " --subject id"] {
+            let call = format!("{test} --wide slow,fast,other --where phase=2{subject}");
+            let found = json(&study, &call, WIDE);
+            for part in ["tost", "bayes_t"] {
+                assert_eq!(found[part], long[part], "{call}");
+            }
+        }
+        let half = format!("{test} --within condition --value score");
+        stats(&study, &half, SCORES).failed(2, &["--subject"]);
+    }
+    stats(&study, "bayes", SCORES).failed(2, &["--value", "--mu"]);
+    let half = "compare --between group --within condition --value score";
+    stats(&study, half, SCORES).failed(2, &["--subject with --within"]);
     let call = "compare --wide slow,fast,other --where phase=3";
     stats(&study, call, WIDE).failed(1, &["`phase`", "`3`", "1, 2"]);
     let call = "correlate --x slow --y fast --wide slow,fast";
@@ -267,6 +293,81 @@ fn a_refusal_says_what_shape_was_found_and_what_might_be_meant() {
         "`id` (text, 5 different)",
     ];
     stats(&study, call, SCORES).failed(1, &words);
+    // A long table that was read as one, and a call that takes no conditions, are not told of wide columns.
+    for (call, table) in [
+        (format!("compare {SCORE} --where id=P1"), SCORES),
+        ("alpha --items q1".to_owned(), "q1,q2\n1,2\n2,3\n4,4\n"),
+        ("power".to_owned(), "test,n,effect\npaired_t,24,0.5\n"),
+    ] {
+        let ran = stats(&study, &call, table);
+        assert_eq!(ran.status, Some(1), "{call}: {}", ran.stderr);
+        assert!(!ran.stderr.contains("--wide"), "{call}: {}", ran.stderr);
+    }
+}
+
+#[test]
+fn a_refusal_names_the_table_and_the_cell() {
+    let study = TempStudy::new();
+    let answers = "s,w,v\na,x,1\na,y,2\nb,x,1.34\nb,y,2\n";
+    let words = ["d.csv: row 3, column `v`", "1.34", "whole number"];
+    within(&study, "ordinal", answers).failed(1, &words);
+    let printed = "coefficient,df,p\n.46,22,=.024\n.46,22,none\n";
+    let words = ["d.csv: row 2, column `p`", "`none`"];
+    stats(&study, "recheck", printed).failed(1, &words);
+    let question = "test,n,effect,alpha,k,corr,epsilon\n\
+                    paired_t,24,0.5,0.05,,,\nrm_anova,24,0.1,0.05,4,0.5,0.2\n";
+    let words = ["d.csv: row 2, column `epsilon`", "`0.2`", "from 0.333 to 1"];
+    stats(&study, "power", question).failed(1, &words);
+    let one = "s,w,v\na,x,1\na,y,2\n";
+    within(&study, "within", one).failed(1, &["d.csv: 1 complete subject after"]);
+    let call = "compare --subject id --between group --value score";
+    let words = ["d.csv", "`P1` occurs twice", "changes within subjects"];
+    stats(&study, call, SCORES).failed(1, &words);
+    let call = "compare --subject id --within condition,group,speed --value score";
+    stats(&study, call, SCORES).failed(1, &["factors within subjects", "at most 2, got 3"]);
+}
+
+#[test]
+fn small_units_and_values_far_from_zero_keep_the_digits_that_tell_them_apart() {
+    let study = TempStudy::new();
+    let (mut small, mut far) = ("s,w,v\n".to_owned(), "s,w,v\n".to_owned());
+    for (i, d) in [4, 7, 6, 5, 8, 3].into_iter().enumerate() {
+        let _ = writeln!(small, "P{i},a,0.00{i}1\nP{i},b,0.00{i}{d}");
+        let _ = writeln!(far, "P{i},a,12034.{i}1\nP{i},b,12034.{i}{d}");
+    }
+    let call = format!("equivalence {WITHIN} --bounds=-0.002,0.002 --apa");
+    let said = stats(&study, &call, &small).ok().stdout;
+    assert!(said.contains("90% CI [−0.000"), "{said}");
+    let call = "bootstrap --statistic mean --value v --apa";
+    let said = stats(&study, call, &small).ok().stdout;
+    assert!(
+        said.contains("estimate 0.00") && !said.contains("0.00,"),
+        "{said}"
+    );
+    let text = within(&study, "compare", &far).ok().stdout;
+    let mean = |name: &str| {
+        let row = text.lines().find(|line| line.trim().starts_with(name));
+        row.unwrap().split_whitespace().nth(1).unwrap().to_owned()
+    };
+    assert_ne!(mean("a "), mean("b "), "{text}");
+    assert!(mean("a ").starts_with("12034."), "{text}");
+}
+
+#[test]
+fn a_label_of_a_paper_is_that_of_one_table() {
+    let study = TempStudy::new();
+    for call in [
+        "compare --subject id --within condition --between group --value score,speed --latex",
+        "normality --value score --group condition --latex",
+    ] {
+        let latex = stats(&study, call, SCORES).ok().stdout;
+        let labels = latex.lines().filter(|line| line.starts_with("\\label{"));
+        let mut labels: Vec<&str> = labels.collect();
+        let all = labels.len();
+        labels.sort_unstable();
+        labels.dedup();
+        assert!(all > 2 && labels.len() == all, "{call}: {latex}");
+    }
 }
 
 #[test]
@@ -278,18 +379,18 @@ fn the_sentence_alone_and_the_tables_of_a_paper() {
     };
     let said = with("--apa");
     assert!(
-        said.starts_with("F(2, 8) = ") && said.lines().count() == 1,
+        said.starts_with("F(1.42, 5.67) = ") && said.lines().count() == 1,
         "{said}"
     );
     let latex = with("--latex");
     assert!(
         latex.contains("\\begin{tabularx}{\\linewidth}{>{\\raggedright\\arraybackslash}Xrrrrr}")
-            && latex.contains("\\textit{F}(2, 8) = "),
+            && latex.contains("\\textit{F}(1.42, 5.67) = "),
         "{latex}"
     );
     let markdown = with("--markdown");
     assert!(
-        markdown.contains("| conditions | ") && markdown.contains("*F*(2, 8) = "),
+        markdown.contains("| conditions | ") && markdown.contains("*F*(1.42, 5.67) = "),
         "{markdown}"
     );
     let none = stats(&study, "adjust --p score --apa", "score\n0.1\n0.2\n");
@@ -374,7 +475,7 @@ fn every_column(cells: usize) -> String {
             let _ = writeln!(
                 table,
                 "P{i},{group},{vehicle},{condition},{style},{load},{age},{score},{},{},{},{},{},{},{}",
-                20.0 + 2.0 * y + wobble + 0.3 * x,
+                20.0 + 2.0 * y + 0.7 * ((x * 5.0 + y) % 3.0) + 0.3 * x,
                 1 + (i + 2 * i32::from(j == 1)) % 4,
                 1.0 + wobble,
                 2.0 + (wobble + y) % 4.0,

@@ -232,6 +232,19 @@ const CALLS: [(&str, &str, bool); 11] = [
 ];
 
 #[test]
+fn equivalence_counts_values_of_one_sample_and_subjects_of_pairs() {
+    let study = with(&table());
+    let said = |words: &str| call(&study, words, &["--bounds=-1,1"]).ok().stdout;
+    let one = said("equivalence --value score --mu=3");
+    assert!(
+        one.contains(" values") && !one.contains("subjects"),
+        "{one}"
+    );
+    let pairs = said("equivalence --subject id --within style --value score --where load=low");
+    assert!(pairs.contains("tests: 16 subjects"), "{pairs}");
+}
+
+#[test]
 fn each_analysis_has_its_sentence_its_tables_and_its_figure() {
     let study = with(&table());
     for (words, sentence, drawn) in CALLS {
@@ -469,4 +482,245 @@ fn a_model_that_does_not_converge_has_a_reason_in_the_place_of_its_numbers() {
             assert!(reasons.contains_key(&format!("coef.{name}")), "{reasons:?}");
         }
     }
+}
+
+/// Nine people in a car who are old, and nine in a truck who are not, in two styles: the score follows age alone.
+fn aged() -> String {
+    let mut text = String::from("id,vehicle,style,age,score\n");
+    let mut power = 5_i32;
+    for i in 0..18 {
+        let (vehicle, age) = if i < 9 {
+            ("car", 60 + i % 7)
+        } else {
+            ("truck", 35 + i % 7)
+        };
+        for style in ["calm", "sporty"] {
+            power = power * 5 % 97;
+            let score = 0.2 * f64::from(age) + f64::from(power) / 200.0;
+            let _ = writeln!(text, "P{i},{vehicle},{style},{age},{score:.4}");
+        }
+    }
+    text
+}
+
+#[test]
+fn pairs_and_means_take_out_what_the_test_takes_out() {
+    let study = with(&aged());
+    let words =
+        "compare --subject id --within style --between vehicle --covariate age --value score";
+    let found = json(&study, words);
+    let effect = found["tests"]["vehicle"]["p"].as_f64().unwrap();
+    let pair = &found["follow_up"]["contrast"]["vehicle"]["car|truck"];
+    assert!((pair["p"].as_f64().unwrap() - effect).abs() < 1e-9);
+    let raw = &found["contrast"]["vehicle"]["car|truck"];
+    let [raw, adjusted] = [raw, pair].map(|pair| pair["estimate"].as_f64().unwrap());
+    assert!(raw > 4.0 && adjusted.abs() < 2.0, "{raw} {adjusted}");
+    let means = &found["follow_up"]["emm"]["vehicle"];
+    let mean = |name: &str| means[name]["mean"].as_f64().unwrap();
+    assert!((mean("car") - mean("truck") - adjusted).abs() < 1e-9);
+    for show in ["", "--latex", "--markdown"] {
+        let more: Vec<&str> = show.split_whitespace().collect();
+        let text = call(&study, words, &more).ok().stdout;
+        assert!(
+            text.contains("Means of vehicle, at the mean of age"),
+            "{text}"
+        );
+        let pairs = text.split("Pairs of vehicle").nth(1).unwrap();
+        let row = pairs.lines().find(|line| line.contains("truck")).unwrap();
+        assert!(!row.contains(".001"), "{row}");
+    }
+    call(&study, words, &["--figure", "f.svg"]).ok();
+    let drawn = study.read("f.svg");
+    let cell = &found["follow_up"]["emm"]["vehicle:style"]["car:calm"]["mean"];
+    let cell = format!(" {:.2}", cell.as_f64().unwrap());
+    assert!(drawn.contains(&cell), "{cell}");
+    assert!(drawn.contains("at the mean of age"));
+    // Of one factor they are dots over values that are not.
+    let adjusted = "score; dots are means, at the mean of age";
+    let one = "compare --subject id --between vehicle --value score --where style=calm";
+    for (covariate, says) in [("", false), (" --covariate age", true)] {
+        call(&study, &format!("{one}{covariate}"), &["--figure", "f.svg"]).ok();
+        assert_eq!(study.read("f.svg").contains(adjusted), says, "{covariate}");
+    }
+}
+
+/// Twelve people in four conditions, the first without the last; answers of five.
+fn four() -> String {
+    let mut text = String::from("id,c,v,ans\n");
+    let mut power = 5_i32;
+    for i in 0..12 {
+        for (j, c) in (0_i32..).zip(["a", "b", "d", "e"]) {
+            power = power * 5 % 97;
+            let v = f64::from(i % 5) + f64::from(power * (1 + j)) / 60.0;
+            if (i, j) != (0, 3) {
+                let _ = writeln!(text, "P{i},{c},{v:.3},{}", 1 + power % 5);
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn a_figure_has_the_test_that_decides_above_it() {
+    let study = with(&four());
+    for (words, effect) in [
+        (
+            "compare --subject id --within c --value v --missing mixed",
+            "c",
+        ),
+        (
+            "compare --subject id --within c --value ans --ordinal",
+            "conditions",
+        ),
+    ] {
+        call(&study, words, &["--figure", "f.svg"]).ok();
+        let said = json(&study, words)["apa"][effect].clone();
+        let said = said.as_str().unwrap();
+        let test = said.split(", p").next().unwrap();
+        assert!(test.starts_with("F("), "{said}");
+        let drawn = study.read("f.svg");
+        assert!(drawn.contains(test), "{words}: no {test}");
+        assert!(
+            !drawn.contains("χ²") && !drawn.contains("Wilcoxon"),
+            "{words}"
+        );
+        std::fs::remove_file(study.path("f.svg")).unwrap();
+    }
+    // The Bayes factor of one pair is above the picture of that pair alone.
+    let bayes = "bayes --subject id --within c --value v";
+    call(&study, bayes, &["--figure", "f.svg"]).ok();
+    let drawn = study.read("f.svg");
+    assert!(!drawn.contains("prior") && !drawn.contains("means ."));
+    let two: Vec<String> = four().lines().map(str::to_owned).collect();
+    let two = two
+        .iter()
+        .filter(|row| !row.contains(",d,") && !row.contains(",e,"));
+    let two: Vec<&str> = two.map(String::as_str).collect();
+    let study = with(&(two.join("\n") + "\n"));
+    call(&study, bayes, &["--figure", "f.svg"]).ok();
+    assert!(study.read("f.svg").contains("prior"));
+}
+
+#[test]
+fn pairs_of_a_mixed_model_are_printed_over_their_own_error() {
+    let study = with(&four());
+    let words = "compare --subject id --within c --value v --missing mixed";
+    let found = json(&study, words);
+    let [own, of_the_model] = ["own_error", "contrast"]
+        .map(|errors| format!("{:.2}", found[errors]["c"]["a|e"]["df"].as_f64().unwrap()));
+    assert_ne!(own, of_the_model);
+    let text = call(&study, words, &[]).ok().stdout;
+    let row = text.lines().find(|line| line.trim().starts_with("a|e"));
+    let row = row.unwrap();
+    assert!(row.contains(&own) && !row.contains(&of_the_model), "{row}");
+}
+
+#[test]
+fn the_interval_of_kendalls_w_is_printed_where_it_holds_w() {
+    let alike = [[1, 2, 3]; 20];
+    let all = [
+        [1, 2, 3],
+        [1, 3, 2],
+        [2, 1, 3],
+        [2, 3, 1],
+        [3, 1, 2],
+        [3, 2, 1],
+    ];
+    // Rank sums of 40, 39 and 41.
+    let mut unlike = [all, all, all].concat();
+    unlike.extend([[1, 2, 3], [3, 1, 2]]);
+    let mut nearly = alike.to_vec();
+    nearly[0] = [1, 3, 2];
+    nearly[1] = [2, 1, 3];
+    for (orders, printed) in [(unlike, false), (nearly, true)] {
+        let mut text = String::from("id,c,v\n");
+        for (i, ranks) in orders.iter().enumerate() {
+            for (c, rank) in ["a", "b", "d"].iter().zip(ranks) {
+                let _ = writeln!(text, "P{i},{c},{}", [1, 10, 1000][rank - 1]);
+            }
+        }
+        let study = with(&text);
+        for analysis in ["friedman", "within", "compare"] {
+            let words = format!("{analysis} --subject id --within c --value v");
+            let out = call(&study, &words, &[]).ok().stdout;
+            let lines = out.lines().filter(|line| line.contains("90% CI"));
+            let of_w = lines.filter(|line| line.contains('W'));
+            let held = of_w.filter(|line| line.contains("CI [.") || line.contains("W [."));
+            assert_eq!(held.count() > 0, printed, "{words}: {out}");
+        }
+    }
+}
+
+#[test]
+fn groups_are_said_by_the_test_that_was_chosen_alone() {
+    // Values far from all others in each group: ranks are compared.
+    let mut text = String::from("g,v\n");
+    for (g, name) in ["x", "y", "z"].into_iter().enumerate() {
+        for i in 0..8 {
+            let far = if i == 7 { 400.0 } else { 0.0 };
+            let _ = writeln!(
+                text,
+                "{name},{}",
+                far + f64::from(i * 3 % 8) + 0.3 * g as f64
+            );
+        }
+    }
+    let study = with(&text);
+    let words = "compare --between g --value v";
+    assert_eq!(json(&study, words)["chosen"], "kruskal-wallis");
+    let out = call(&study, words, &[]).ok().stdout;
+    tells(
+        &out,
+        &[
+            "kruskal: χ²(2",
+            "x|y: z = ",
+            "p_Holm",
+            "No difference of the groups is shown at .05.",
+        ],
+    );
+    assert!(
+        !out.contains("welch_anova: ") && !out.contains("x|y: t("),
+        "{out}"
+    );
+    // What was chosen has no value where a group has one row.
+    let one: Vec<&str> = "g,v\nx,1\nx,2\nx,4\nx,3\ny,2\ny,5\ny,3\ny,4\nz,3"
+        .lines()
+        .collect();
+    let study = with(&(one.join("\n") + "\n"));
+    if json(&study, words)["chosen"] == "welch-anova" {
+        let out = call(&study, words, &[]).ok().stdout;
+        tells(&out, &["The test that was chosen has no value"]);
+        assert!(!out.contains("kruskal: "), "{out}");
+    }
+}
+
+#[test]
+fn a_difference_of_nothing_is_drawn_within_standardised_bounds() {
+    let mut text = String::from("id,c,v\n");
+    for (i, d) in [1.0, -1.0, 0.5, -0.5, 0.25, -0.25].into_iter().enumerate() {
+        let _ = writeln!(text, "P{i},a,{}\nP{i},b,{i}", i as f64 + d);
+    }
+    let study = with(&text);
+    let words = "equivalence --subject id --within c --value v --bounds=-2,2 --standardized";
+    assert_eq!(json(&study, words)["tost"]["a|b"]["estimate"], 0.0);
+    call(&study, words, &["--figure", "f.svg"]).ok();
+    assert!(study.read("f.svg").contains("a|b 0.00 ["));
+    // Of one sample values are counted.
+    let one = "equivalence --value v --mu=3 --bounds=-9,9";
+    let out = call(&study, one, &[]).ok().stdout;
+    assert!(
+        out.contains("12 values") && !out.contains("subjects"),
+        "{out}"
+    );
+}
+
+#[test]
+fn ordered_answers_of_several_factors_say_that_their_numbers_count() {
+    let study = with(&table());
+    let of = |more: &str| {
+        let words = format!("compare --subject id --within style,load --value answer {more}");
+        json(&study, &words)["reasons"].to_string()
+    };
+    assert!(of("--ordinal").contains("the answers' numbers"));
+    assert!(!of("").contains("the answers' numbers"));
 }

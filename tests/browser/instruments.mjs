@@ -16,7 +16,7 @@ const browser = await launch();
 await seat.openLab(browser, { width: 1280, height: 800 });
 
 /// The highest answer to the question of a ride.
-const HIGHEST = 9;
+const HIGHEST = 10;
 
 /// Somebody with a browser of their own; `answers` gives what they answer to an item of a sheet, by the sheet's place and the item's.
 class Somebody {
@@ -66,7 +66,7 @@ class Somebody {
     await this.page.waitForFunction((gone) => !gone.isConnected, first);
   }
 
-  /// On the road until it is over; a question that comes is answered by its digit, the highest answer by its button.
+  /// On the road until it is over; a question that comes is answered by the digits of its number.
   async road(title) {
     await this.page.waitForFunction(() => !document.querySelector("#drive").hidden, null, { timeout: 60000 });
     const byHand = !title.startsWith("Mitfahrt");
@@ -76,8 +76,7 @@ class Somebody {
       if (await this.page.locator("#question").isVisible()) {
         const buttons = this.page.locator("#probe button");
         if (!looked && !byHand) { looked = true; this.probed = await buttons.allTextContents(); await this.look("probe"); }
-        if (!byHand && this.probe === HIGHEST) await buttons.last().press("Enter");
-        else await this.page.keyboard.press(`Digit${byHand ? 1 : this.probe}`);
+        for (const digit of String(byHand ? 1 : this.probe)) await this.page.keyboard.press(`Digit${digit}`);
       }
       await pause(250);
     }
@@ -141,7 +140,7 @@ const [sick, regretful] = [await somebody({ probe: HIGHEST }), await somebody({}
 await Promise.all([sick.goThrough(), regretful.goThrough()]);
 const leaver = await somebody({ leavesAt: "Mitfahrt 2" });
 await leaver.goThrough();
-const levels = ["0 gar nicht", "1", "2", "3", "4 ein wenig", "5", "6", "7 deutlich", "8", "9 sehr · Mir ist nicht gut: anhalten"];
+const levels = ["0 gar nicht", "1", "2", "3", "4 ein wenig", "5", "6", "7 deutlich", "8", "9", "10 sehr · Mir ist nicht gut: anhalten"];
 check(first.probed.join() === levels.join(), `during a ride each level has its words, and the highest says that it stops: ${first.probed}`);
 check(first.read.includes("Worum es in dieser Studie ging"), "at the end everybody reads what the study was about");
 check(sick.read.includes("Sie haben angehalten") && sick.read.includes("Worum es in dieser Studie ging"), "who feels sick is looked after, and told what the study was about");
@@ -175,7 +174,7 @@ const lent = rows("seat/lent.csv");
 check(["P003", "P004", "P005"].every((who) => lent.some((row) => row.participant === who)) && lent.every((row) => !/^P0/.test(row.donor)), `who rode in somebody else's style, and that of nobody of this study: ${JSON.stringify(lent)}`);
 const stopped = rows("seat/stopped.csv");
 check(stopped.length === 1 && stopped[0].participant === "P006" && stopped[0].reason === "feeling >= 6", `one ride was stopped by what was answered: ${JSON.stringify(stopped)}`);
-check(answers.some((row) => row.participant === "P006" && row.moment === "probe" && row.answer === String(HIGHEST)), "the button that stopped it answered the question too");
+check(answers.some((row) => row.participant === "P006" && row.moment === "probe" && row.answer === String(HIGHEST)), "the number that was typed stopped it, and stands among the answers: 10, not 1");
 for (const name of readdirSync(join(folder, "seat")).filter((file) => file.endsWith(".jsonl"))) {
   const told = execFileSync(maveric, ["seat", "replay", join(folder, "seat", name)], { encoding: "utf8" }).trim();
   check(told.includes("the same states, to the byte"), `replay of ${name}: ${told}`);

@@ -206,12 +206,12 @@ title = "How one feels"
 reference = "made for this test"
 kind = "ladder"
 min = 0
-max = 9
+max = 10
 items = 1
 scoring = "mean"
 [[item]]
 text = "Wie unwohl ist Ihnen?"
-levels = ["gar nicht", "1", "2", "3", "ein wenig", "5", "6", "deutlich", "8", "sehr"]
+levels = ["gar nicht", "1", "2", "3", "ein wenig", "5", "6", "deutlich", "8", "9", "sehr"]
 [[subscales]]
 id = "sickness"
 title = "Sickness"

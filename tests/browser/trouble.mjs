@@ -65,14 +65,26 @@ async function onAPhone() {
   await look(page, "phone");
   await page.getByRole("button", { name: "Go on all the same" }).tap();
   await page.waitForFunction(() => document.querySelector("main").textContent.includes("I agree"));
+  await page.getByRole("button", { name: "I agree" }).tap();
+  await page.waitForSelector("form fieldset");
+  const rows = await page.locator(".points").evaluateAll((all) => all.map((points) => new Set([...points.children].map((box) => box.getBoundingClientRect().top)).size));
+  check(rows.length === 3 && rows.every((n) => n === 1), `the points of a scale stand in one row on a phone, too: ${rows}`);
+  check((await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth)) === 0, "and the page is no wider than the phone");
+  await look(page, "phone-sheet");
   await context.close();
 }
 
 /// Before the drives: a reload in the middle of a questionnaire, and a full disk when it is sent.
 async function questionnaire(page) {
   await page.waitForSelector("main button.main");
+  await page.setViewportSize({ ...viewport, height: 240 });
   await press(page);
   await page.waitForSelector("form fieldset");
+  const opened = Date.now();
+  const [longer, above] = await page.evaluate(() => [document.body.scrollHeight > innerHeight, scrollY]);
+  check(longer && above === 0, `a page that is longer than the window begins with its first line: ${above} px are above`);
+  await page.setViewportSize(viewport);
+  await pause(3500);
   await page.locator("form fieldset").nth(0).locator("input").nth(4).check();
   await page.locator("form fieldset").nth(1).locator("input").nth(2).check();
   await page.reload();
@@ -82,7 +94,10 @@ async function questionnaire(page) {
   check((await page.locator("#bar").boundingBox()).y === 0, "the header with “Leave the study” stays when a page is scrolled");
   const begun = Date.now();
   disk(0);
+  const sent = page.waitForRequest("**/answer/**");
   await answer(page);
+  const { seconds } = JSON.parse((await sent).postData());
+  check(seconds > 3.5 && seconds <= (Date.now() - opened) / 1000 + 1, `the time before a reload counts: ${seconds} s`);
   await has(page, "#note", "Not taken in yet (500)");
   while (!/full|I\/O|kept|large|disk/i.test(seat.stderr.split("the seat is open")[1] ?? "") && Date.now() - begun < 5000) await pause(100);
   check(/answer/.test(seat.stderr.split("the seat is open")[1] ?? ""), `a full disk is told on stderr: ${(seat.stderr.split("the seat is open")[1] ?? "").trim().split("\n").at(-1)}`);
@@ -151,6 +166,8 @@ async function drivenInOneTab(context, page, link) {
   await page.bringToFront();
   await page.getByRole("button", { name: "Leave the study" }).click();
   await page.waitForSelector("dialog[open]");
+  check((await page.getByRole("dialog", { name: "Leave the study?" }).count()) === 1, "the dialog is called by its question");
+  check((await page.evaluate(() => document.activeElement?.textContent)) === "Stay", "a second Enter on “Leave the study” stays");
   await look(page, "leave-in-a-drive");
   await pause(1500);
   await page.getByRole("button", { name: "Stay" }).click();

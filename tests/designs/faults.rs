@@ -106,6 +106,23 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
 }
 
 #[test]
+fn a_run_says_that_nobody_is_listed_yet_and_shows_its_stages_all_the_same() {
+    let study = TempStudy::new();
+    let init = "init mine --conditions calm,sporty --style none";
+    study.maveric(&argv(init)).ok();
+    let words = [
+        "participants.csv: has no row: nobody takes part",
+        "maveric design orders",
+    ];
+    study.mine("run").failed(1, &words);
+    study.mine("run --show").ok();
+    study.mine("status").ok();
+    study.write("mine/participants.csv", "participant\nP01\nP02\n");
+    let needed = study.mine("run").failed(1, &["surveys/answers.csv"]).stderr;
+    assert!(!needed.contains("has no row"), "{needed}");
+}
+
+#[test]
 fn status_says_what_the_seat_lacks_unless_people_drive_elsewhere() {
     let study = TempStudy::new();
     let init = argv("init mine --conditions calm,sporty --style none");

@@ -164,7 +164,7 @@ fn questionnaires_alone_from_limesurvey_where_one_person_broke_off() {
     Page::read(&study.path("mine/report/index.html"))
         .says(&[
             "8 participants in two conditions: Komfort and Sport",
-            "took part in the conditions (Komfort and Sport) and answered questionnaires about the conditions, 1 of them not in every condition",
+            "took part in the conditions (Komfort and Sport) and answered questionnaires about the conditions; of 1 of them nothing counts in some condition",
             "NASA-TLX (rating, 1 to 20) Sport 7",
             "There are no drives",
             "All 16 rows; missing.csv beside this page has all of them",

@@ -128,6 +128,17 @@ fn whom_the_design_excludes_is_in_nothing_that_is_made_or_given_away() {
     nowhere(&study, "mine", &traces, labs);
     let page = study.read("mine/report/index.html");
     assert!(page.contains("withdrew consent"), "the reason is told");
+    let methods = study.read("mine/report/manuscript/methods.md");
+    tells(
+        &methods,
+        &[
+            "1 person was left out of everything: withdrew consent",
+            "1 person was left out of those whom the model learned from: withdrew consent",
+        ],
+    );
+    // A value that nobody has is described of nobody.
+    let results = study.read("mine/report/manuscript/results.md");
+    assert!(!results.contains("*M* = not known"), "{results}");
     let again = export(&study, "shared").ok();
     tells(&again.stdout, &["2 people left out by exclude.people"]);
     tells(
@@ -226,9 +237,15 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     assert_eq!(events.lines().count(), 1 + 2 * 6);
     // An export that lies there may hold them under a pseudonym, which only its key tells.
     let earlier = study.write("mine/given/ro-crate-metadata.json", "{}");
+    // So may what a run that was cut off moved aside.
+    let aside = study.write(
+        "mine/results/moved-aside-2026-11-28/drives/a.parquet",
+        "PAR1",
+    );
     let again = forget_person(&design, &last_id.unwrap()).unwrap();
-    assert_eq!(again.left, [earlier]);
+    assert_eq!(again.left, [earlier, aside]);
     std::fs::remove_dir_all(study.path("mine/given")).unwrap();
+    std::fs::remove_dir_all(study.path("mine/results/moved-aside-2026-11-28")).unwrap();
     // A copy of what had learned from them is refused; what is trained anew is not.
     study.write("mine/results/model.maveric", &kept);
     let refused = refuse_learned_from_gone(&design, &model)

@@ -112,6 +112,18 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
         ends("study.toml") && ends("measures.csv") && ends("analysis.json"),
         "{found:?}"
     );
+    let dictionary = study.read("shared/dictionary.csv");
+    tells(
+        &dictionary,
+        &[
+            "measures.csv,tor_s,s,Take-over time,",
+            "measures.csv,glances,,glances,",
+            "files.csv,blake3,",
+        ],
+    );
+    let pipeline = study.read("shared/pipeline.toml");
+    tells(&pipeline, &["answers = \"surveys.csv\""]);
+    assert!(!study.path("shared/scenario.toml").exists());
     // Every outcome has the numbers of the analysis, and one row has what the other table has.
     let (long, wide) = (
         rows(&study, "shared/outcomes_long.csv"),

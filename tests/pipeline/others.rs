@@ -42,7 +42,7 @@ fn variants_are_kept_compared_and_cleaned_side_by_side() {
         .failed(2, &["name two runs"]);
     study
         .maveric(&["run", words, "--variant", "../x"])
-        .failed(1, &["cannot name a variant"]);
+        .failed(2, &["cannot name a variant"]);
     study.write("one/made-two/rows/mine.txt", "");
     let cleaned = study
         .maveric(&["clean", words, "--variant", "two"])

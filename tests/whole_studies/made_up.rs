@@ -67,6 +67,38 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
     study.mine(by_hand).ok();
     Page::read(&study.path("mine/again/index.html"))
         .says(&["To repeat maveric report results --participants participants.csv --out again"]);
+    // What is given away has what they said, and is analysed anew with that and as long drives.
+    study.write("key", "a secret of this test alone");
+    study
+        .mine("export --key ../key --out ../shared --pipeline")
+        .ok();
+    tells(&study.read("shared/surveys.csv"), &[",sporty,jian_trust,"]);
+    tells(
+        &study.read("shared/README.md"),
+        &[
+            "`maveric run pipeline.toml` in this folder",
+            "after a condition",
+        ],
+    );
+    let pipeline = study.read("shared/pipeline.toml");
+    tells(&pipeline, &["duration = 120", "answers = \"surveys.csv\""]);
+    assert!(!pipeline.contains("\"rate\""), "{pipeline}");
+    study.maveric_in("shared", &["run", "pipeline.toml"]).ok();
+    let trust = |folder: &str| {
+        let analysis = study.json(&format!("{folder}/results/analysis.json"));
+        let rows = analysis["descriptives"].as_array().unwrap();
+        let trust = rows.iter().filter(|d| d["outcome"] == "jian_trust.overall");
+        let means: Vec<Option<f64>> = trust.map(|d| d["mean"].as_f64()).collect();
+        means
+    };
+    let (first, again) = (trust("mine"), trust("shared"));
+    assert!(!first.is_empty() && first.len() == again.len());
+    for (a, b) in first.iter().zip(&again) {
+        assert!(
+            (a.unwrap() - b.unwrap()).abs() < 1e-9,
+            "{first:?} {again:?}"
+        );
+    }
     // Real people are never replaced.
     study.write("mine/participants.csv", "participant,part\nP01,test\n");
     let generate = argv("generate --design mine/study.toml --learn 4 --test 3");

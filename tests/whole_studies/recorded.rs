@@ -133,7 +133,7 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
         &listed,
         &[
             "left out by exclude.people: withdrew consent",
-            "left out by exclude.drives: simulator sickness",
+            "\nP03-calm,P03-calm.csv,left out by exclude.drives: simulator sickness,",
             "left out by exclude.drive_shorter_than_s: the drive is 20 s long, expected at least 50 s",
             "left out by unknown participant: P09 is not in the table of people",
             "`wild` is none of the design's: own, calm, normal, sporty",
@@ -190,6 +190,24 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
         "drive shorter than 50 s",
         "simulator sickness",
     ]);
+    // Of a ride that is left out nothing counts, and whoever a rule leaves out is not waited for; a page names nobody of those who are named.
+    let missing = study.read("mine/report/missing.csv");
+    let short = "\"left out by exclude.drive_shorter_than_s: the drive is 20 s long, expected at least 50 s\"";
+    tells(
+        &missing,
+        &[
+            "\nP03,calm,,left out,left out,\n",
+            &format!("\nP04,sporty,,{short},{short},\n"),
+            "\nP10,calm,no log,no log,no answers,\n",
+        ],
+    );
+    for who in ["P02,", "P05,", "P06,"] {
+        assert!(!missing.contains(who), "{who} {missing}");
+    }
+    study.mine("status --missing missing.csv").ok();
+    let out = "left out by exclude.drives: simulator sickness";
+    let row = format!("\nP03,calm,,{out},{out},\n");
+    tells(&study.read("mine/missing.csv"), &[&row]);
     let ran = study.mine("ingest --out again").ok();
     tells(
         &ran.stdout,

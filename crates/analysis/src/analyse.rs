@@ -2,12 +2,12 @@
 
 use crate::{
     Analysis, AnalysisError, Exclusion, Panel, Reproduction, StudyData, by_factor, compare,
-    congruence, crossed::crossed, describe, design_test::Purpose, findings, homophily, hypotheses,
-    lent, line, mixed, presses, primary, reproduction, retest, sensitivity, which,
+    congruence, describe, design_test::Purpose, findings, homophily, hypotheses, lent, line, mixed,
+    presses, primary, reproduction, retest, sensitivity, which,
 };
 use maveric_domain::{
-    ParticipantId,
-    design::{Condition, DeclaredTest, Outcome, Quantity},
+    Design, ParticipantId,
+    design::{Condition, DeclaredTest, Outcome, Quantity, crossed},
 };
 use maveric_measures::objective;
 
@@ -27,9 +27,11 @@ pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisE
     by_factor::check(data)?;
     without_periods(data)?;
     let panels = compare::panels(data, purpose)?;
-    let reproduction = reproduction::reproduction(data, &panels)?;
+    let mut reproduction = reproduction::reproduction(data, &panels)?;
     let nearer = reproduction::nearer(data, &panels)?;
-    let exclusions = exclusions(&panels, &reproduction);
+    let exclusions = exclusions(&data.design, &panels, &reproduction);
+    // What nobody has of both drives is listed as left out, and nothing was asked of it.
+    reproduction.retain(|row| row.n > 0 || row.bias.is_some());
     let primary = primary::primary(data, &panels);
     let mut analysis = Analysis {
         synthetic: data.is_synthetic(),
@@ -147,6 +149,13 @@ fn notes(data: &StudyData) -> Vec<String> {
             unmeasured.join("; ")
         ));
     }
+    if data.design.homophily().is_some() && !data.design.has_style_differences() {
+        notes.push(
+            "The design declares `[homophily]`, but no car at 0 on the dial beside one elsewhere on it: there are no differences from the own \
+             style, and nothing is correlated with them."
+                .to_owned(),
+        );
+    }
     if cross && conditions.len() > 1 && crossed(&conditions).is_none() {
         notes.push(
             "The conditions name levels, but do not cross two factors completely: they are tested as one row of conditions, without main \
@@ -157,7 +166,7 @@ fn notes(data: &StudyData) -> Vec<String> {
     notes
 }
 
-fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion> {
+fn exclusions(design: &Design, panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion> {
     let mut exclusions = Vec::new();
     // Whoever is left out of everybody's panel is left out of the group's as well.
     for panel in panels.iter().filter(|p| p.group.is_none()) {
@@ -167,6 +176,9 @@ fn exclusions(panels: &[Panel], reproduction: &[Reproduction]) -> Vec<Exclusion>
                 what: format!("comparison of {}", panel.title.to_lowercase()),
                 why: if panel.without_order.contains(who) {
                     "the order in which the conditions were met is not known".to_owned()
+                } else if let Some(column) = panel.without_column.get(who) {
+                    let label = design.factor_label(column);
+                    format!("no value of {label}, which the test takes")
                 } else if panel.differences_from.is_some() {
                     "no value in at least one condition or in the baseline drive".to_owned()
                 } else {

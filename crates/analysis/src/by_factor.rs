@@ -12,10 +12,10 @@ use maveric_domain::{
     design::{LevelContrast, Levels},
 };
 use maveric_stats::{
-    Chosen, DesignColumns, FactorialFinding, LevelChoice, level_contrast, simple_effects,
-    within_subject_intervals,
+    Chosen, DesignColumns, FactorialFinding, GroupSummary, GroupsAnalysis, LevelChoice,
+    level_contrast, mean, mean_of_groups_interval, simple_effects, within_subject_intervals,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The factors of an outcome that several were tested of; and why a declared contrast has no test.
 pub(crate) fn by_factor(
@@ -113,7 +113,8 @@ fn means(
             means.push(LevelMean {
                 n: those.len(),
                 mean: mean.mean,
-                interval: mean.ci.ends(),
+                interval: mean_of_groups_interval(&scores(&those, columns, &inside, &levels), 0.95)
+                    .map(|[_, low, high]| (low, high)),
                 within: whole
                     .then(|| within(&those, columns, &inside, &levels))
                     .flatten(),
@@ -124,6 +125,31 @@ fn means(
     }
     means.sort_by_key(|mean| mean.levels.len());
     means
+}
+
+/// What groups of people did who are compared with one another alone: the mean of each, and nothing within them.
+pub(crate) fn of_groups(columns: &DesignColumns<'_>, groups: &GroupsAnalysis) -> Option<ByFactor> {
+    let (name, _) = columns.between.first()?;
+    let mean_of = |(level, group): (&str, &GroupSummary)| LevelMean {
+        effect: (*name).to_owned(),
+        levels: vec![level.to_owned()],
+        n: group.n,
+        mean: group.mean,
+        // None where nobody differs, as of several factors.
+        interval: group.ci.ends().filter(|(low, high)| low < high),
+        within: None,
+    };
+    let levels = groups.desc.iter().map(|(level, _)| level.to_owned());
+    Some(ByFactor {
+        means: groups.desc.iter().map(mean_of).collect(),
+        factors: vec![TestedFactor {
+            name: (*name).to_owned(),
+            within: false,
+            levels: levels.collect(),
+        }],
+        simple: Vec::new(),
+        contrasts: Vec::new(),
+    })
 }
 
 /// Every combination of levels, the last factor counting fastest.
@@ -161,6 +187,29 @@ fn complete<'a>(columns: &DesignColumns<'a>, dropped: &[String]) -> Vec<Complete
             }
         })
         .collect()
+}
+
+/// The mean of each person over their rows at these levels, by group: the tests do not pool groups, so neither do intervals.
+fn scores(
+    people: &[&Complete],
+    columns: &DesignColumns<'_>,
+    factors: &[&TestedFactor],
+    levels: &[String],
+) -> Vec<Vec<f64>> {
+    let is_here = |row: usize| {
+        columns.within.iter().all(|(name, cells)| {
+            let mut held = factors.iter().zip(levels);
+            held.all(|(factor, level)| factor.name != *name || cells[row] == *level)
+        })
+    };
+    let mut groups: BTreeMap<&[(&str, &str)], Vec<f64>> = BTreeMap::new();
+    for person in people {
+        let rows = person.rows.iter().filter(|row| is_here(**row));
+        let values: Vec<f64> = rows.filter_map(|row| columns.values[*row]).collect();
+        let scores = groups.entry(&person.groups).or_default();
+        scores.extend(mean(&values));
+    }
+    groups.into_values().collect()
 }
 
 /// The ends of the interval within people of one cell of all factors.
@@ -235,7 +284,7 @@ mod tests {
         AnalysisError, Purpose, StudyData, analyse,
         testing::{CONDITIONS, SPEED, design, near, panel, plain, tables},
     };
-    use maveric_stats::LevelChoice;
+    use maveric_stats::{DesignColumns, LevelChoice, groups};
 
     const LEVELS: [(&str, &str); 4] = [
         ("slow", "town"),
@@ -301,7 +350,11 @@ mod tests {
             .fold(1.0, f64::min);
         near(Some(holm), (2.0 * least).min(1.0));
         let slow = found.means.iter().find(|m| m.levels == ["slow"]).unwrap();
-        near(Some(slow.mean), by_hand(&score([0.5, 0.5, 0.0, 0.0])).0);
+        let scores = score([0.5, 0.5, 0.0, 0.0]);
+        near(Some(slow.mean), by_hand(&scores).0);
+        let [_, low, high] = maveric_stats::mean_interval(&scores, 0.95).unwrap();
+        near(slow.interval.map(|ends| ends.0), low);
+        near(slow.interval.map(|ends| ends.1), high);
         let cell = found
             .means
             .iter()
@@ -312,6 +365,38 @@ mod tests {
         // A rehearsal does without.
         let quick = analyse(&data, Purpose::Simulation).unwrap();
         assert!(quick.panels.iter().all(|p| p.by_factor.is_none()));
+    }
+
+    #[test]
+    fn a_group_in_which_nobody_differs_has_no_interval() {
+        let cities = ["A", "A", "B", "B"].map(str::to_owned);
+        let values = [2.0, 2.0, 1.0, 3.0].map(Some);
+        let cells = cities.clone().map(Some);
+        let columns = DesignColumns {
+            between: vec![("city", &cells[..])],
+            values: &values,
+            ..DesignColumns::default()
+        };
+        let comparison = groups(&cities, &values).unwrap();
+        let means = super::of_groups(&columns, &comparison).unwrap().means;
+        let intervals = [0, 1].map(|i: usize| means[i].interval);
+        assert!(intervals[0].is_none());
+        assert!(intervals[1].is_some_and(|(low, high)| low < 2.0 && 2.0 < high));
+    }
+
+    #[test]
+    fn a_mixed_model_says_that_it_gives_no_contrasts_of_levels() {
+        let text = crossed("{ pace = [\"slow\", \"fast\"] }");
+        let said = |text: &str| {
+            let data = StudyData::new(&design(text), tables()).unwrap();
+            let a = analyse(&data, Purpose::Report).unwrap();
+            let panel = panel(&a, SPEED);
+            let why = |reason: &String| reason.contains("a mixed model gives none");
+            (panel.by_factor.is_some(), panel.reasons.iter().any(why))
+        };
+        assert_eq!(said(&text), (true, false));
+        let declared = text.replace("[contrasts]", "test = \"mixed\"\n[contrasts]");
+        assert_eq!(said(&declared), (false, true));
     }
 
     #[test]

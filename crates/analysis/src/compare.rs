@@ -9,6 +9,7 @@ use crate::{
     family::holm,
     outcomes::{Asked, outcome, outcomes_and},
     pairs::{mean_difference, model_pairs, test_of_pairs, values},
+    planned::held_against_baseline,
     result::{Contrast, ContrastTest, Group, Panel},
     verdict::ALPHA,
 };
@@ -26,9 +27,12 @@ pub(crate) fn panels(data: &StudyData, purpose: Purpose) -> Result<Vec<Panel>, A
     let tested = outcomes_and(data, hypotheses.map(|h| outcome(data, &h.outcome)));
     let mut panels = Vec::new();
     for asked in &tested {
-        panels.push(whole(data, purpose, asked)?);
+        let whole = whole(data, purpose, asked)?;
+        // One condition alone compares the groups with one another, and nothing within them.
+        let compared = whole.conditions.len() > 1;
+        panels.push(whole);
         let mut family = Vec::new();
-        for (group, people) in groups(data) {
+        for (group, people) in groups(data).into_iter().filter(|_| compared) {
             family.push(panel(data, purpose, asked, Some(group), &people)?);
         }
         correct(&mut family)?;
@@ -48,17 +52,15 @@ pub(crate) fn whole(
     Ok(whole)
 }
 
-/// The people of each combination of the factors' levels, in order; nobody where no factor divides them.
+/// The people of each combination of the factors' levels, in order; nobody where no factor divides them, and without whoever lacks a level.
 fn groups(data: &StudyData) -> Vec<(Group, Vec<ParticipantId>)> {
     let factors = data.design.factors();
     let mut by_levels: BTreeMap<Vec<String>, Vec<ParticipantId>> = BTreeMap::new();
     for p in data.participants.iter().filter(|_| !factors.is_empty()) {
-        let level = |f: &Factor| {
-            let level = data.column(p, &f.name);
-            level.unwrap_or("not given").to_owned()
-        };
-        let levels = factors.iter().map(level).collect();
-        by_levels.entry(levels).or_default().push(p.clone());
+        let level = |f: &Factor| data.column(p, &f.name).map(str::to_owned);
+        if let Some(levels) = factors.iter().map(level).collect::<Option<_>>() {
+            by_levels.entry(levels).or_default().push(p.clone());
+        }
     }
     let title = |f: &Factor| data.design.factor_label(&f.name);
     let factor = factors.iter().map(title).collect::<Vec<_>>().join(" × ");
@@ -114,12 +116,9 @@ impl<'a> Plan<'a> {
         let mut conditions: Vec<ConditionId> = data.design.condition_ids().collect();
         let baseline = data.design.baseline_id();
         let mut pairs = contrasts(data, &asked.id);
-        // One condition is held against the baseline itself.
-        if let (&[one], Some(baseline)) = (conditions.as_slice(), baseline)
-            && one != baseline
-        {
-            pairs = vec![[one, baseline]];
-            conditions.push(baseline);
+        if let Some(pair) = held_against_baseline(&data.design) {
+            pairs = vec![pair];
+            conditions.push(pair[1]);
         }
         let from = baseline
             .filter(|b| asked.column().is_some() && !conditions.contains(b))
@@ -136,10 +135,16 @@ impl<'a> Plan<'a> {
             .filter(unplaced)
             .map(ToString::to_string)
             .collect();
+        let lacked = |p: &ParticipantId| {
+            let column = lacked_column(data, p, group.is_some())?;
+            Some((p.to_string(), column.to_owned()))
+        };
+        let placed_people = people.iter().filter(|p| !unplaced(p));
+        let without_column: BTreeMap<String, String> = placed_people.filter_map(lacked).collect();
         let rows: Vec<Vec<Option<f64>>> = people
             .iter()
             .map(|p| {
-                if unplaced(&p) {
+                if unplaced(&p) || without_column.contains_key(&p.to_string()) {
                     return vec![None; conditions.len()];
                 }
                 let shown = |c: &ConditionId| value(p, *c).map(|v| v * asked.factor);
@@ -161,6 +166,7 @@ impl<'a> Plan<'a> {
             n: 0,
             dropped: Vec::new(),
             without_order,
+            without_column,
             test: None,
             reasons: Vec::new(),
             comparison: None,
@@ -222,12 +228,19 @@ impl<'a> Plan<'a> {
             }) => {
                 panel.reasons = comparison.reasons().to_vec();
                 panel.carry_over = carry_over;
+                let of_test = match &comparison {
+                    ByDesign::Factorial(_) if by_factor.is_some() => None,
+                    ByDesign::Mixed(_) => Some("a mixed model gives none"),
+                    _ => Some("this test is not one of several factors"),
+                };
+                let is_declared = !self.data.design.level_contrasts().is_empty();
+                if let (None, true, Some(why)) = (&panel.group, is_declared, of_test) {
+                    let why = format!("the declared contrasts of factors have no test: {why}");
+                    panel.reasons.push(why);
+                }
                 if let Some((by_factor, untested)) = by_factor {
                     panel.reasons.extend(untested);
                     panel.by_factor = Some(by_factor);
-                } else if panel.group.is_none() && !self.data.design.level_contrasts().is_empty() {
-                    let why = "the declared contrasts of factors have no test: this test is not one of several factors";
-                    panel.reasons.push(why.to_owned());
                 }
                 panel.comparison = Some(comparison);
             }
@@ -249,8 +262,13 @@ impl<'a> Plan<'a> {
         let declared = asked.test.is_some_and(|t| t != DeclaredTest::Auto);
         let no_result = (period == Period::Taken || declared) && panel.comparison.is_none();
         if panel.n < 2 || panel.conditions.len() < 2 || no_result {
-            let untested = |pair: [ConditionId; 2]| Contrast::untested(pair, expected(pair));
-            panel.contrasts = contrasts.into_iter().map(untested).collect();
+            let measured = &*panel;
+            let untested = |pair: [ConditionId; 2]| Contrast {
+                mean_difference: mean_difference(measured, pair).filter(|_| no_result),
+                ..Contrast::untested(pair, expected(pair))
+            };
+            let untested = contrasts.into_iter().map(untested).collect();
+            panel.contrasts = untested;
             return Ok(());
         }
         if let Some(pairs) = model_pairs(data, asked, panel, period) {
@@ -287,6 +305,15 @@ impl<'a> Plan<'a> {
         }
         Ok(())
     }
+}
+
+/// The first column that the test takes of people and that this one has no value of: of a group the levels of its factors are its own.
+fn lacked_column<'d>(data: &'d StudyData, p: &ParticipantId, grouped: bool) -> Option<&'d str> {
+    let factors = data.design.factors().iter().filter(|_| !grouped);
+    let covariates = data.design.covariates().iter();
+    let columns = factors.map(|f| f.name.as_str());
+    let mut columns = columns.chain(covariates.map(|c| c.column.as_str()));
+    columns.find(|column| data.column(p, column).is_none())
 }
 
 /// Whether differences from the baseline can be taken: a measure of the study's own may exist in the conditions alone, as the time to take

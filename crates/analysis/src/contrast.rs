@@ -7,8 +7,9 @@ use crate::{
 };
 use maveric_domain::{ConditionId, design::Sign};
 use maveric_stats::{
-    Interval, MarginalContrast, Named, Posthoc, PosthocTest, WithinSubjects, compare,
+    Interval, MarginalContrast, Named, Posthoc, PosthocTest, SmallSample, WithinSubjects, compare,
 };
+use std::borrow::Cow;
 
 impl Contrast {
     pub(crate) fn untested([first, second]: [ConditionId; 2], expected: Option<Sign>) -> Self {
@@ -26,6 +27,7 @@ impl Contrast {
             p: None,
             p_holm: None,
             odds: None,
+            unbounded: false,
         }
     }
 
@@ -63,12 +65,26 @@ impl Contrast {
             ..untested
         }
     }
+
+    /// The same tested by its likelihood ratio of one degree of freedom: F is the square of t.
+    fn by_ratio(self, ratio: &SmallSample) -> Self {
+        let root = |difference: f64| ratio.f.sqrt().copysign(difference);
+        Self {
+            statistic: self.mean_difference.map(root),
+            df: Some(ratio.df2 as f64),
+            p: Some(ratio.p),
+            unbounded: true,
+            ..self
+        }
+    }
 }
 
 /// The pairs of conditions of a model, and what each condition is called in it.
 pub(crate) struct ModelPairs<'a> {
     pub(crate) test: ContrastTest,
-    pub(crate) pairs: &'a Named<MarginalContrast>,
+    pub(crate) pairs: Cow<'a, Named<MarginalContrast>>,
+    /// The likelihood ratios of pairs that have no finite difference.
+    pub(crate) ratios: Option<&'a Named<SmallSample>>,
     pub(crate) names: Vec<(ConditionId, String)>,
 }
 
@@ -90,11 +106,15 @@ impl ModelPairs<'_> {
         let pair = |a, b| self.pairs.get(&format!("{}|{}", name(a), name(b)));
         let known = pair(first, second).map(|pair| (pair, 1.0));
         let known = known.or_else(|| Some((pair(second, first)?, -1.0)));
-        let untested = Contrast::untested([first, second], expected);
+        let untested = Contrast {
+            mean_difference: raw,
+            ..Contrast::untested([first, second], expected)
+        };
         let Some((pair, sign)) = known else {
-            return Contrast {
-                mean_difference: raw,
-                ..untested
+            let ratio = |a, b| self.ratios?.get(&format!("{}|{}", name(a), name(b)));
+            return match ratio(first, second).or_else(|| ratio(second, first)) {
+                Some(ratio) => untested.by_ratio(ratio),
+                None => untested,
             };
         };
         let estimate = sign * pair.estimate;

@@ -2,7 +2,7 @@
 
 use maveric_domain::{
     ConditionId, Design,
-    design::{CONDITION, Condition},
+    design::{CONDITION, Condition, crossed},
 };
 
 /// Factors of a kind that a test can take.
@@ -16,31 +16,6 @@ pub(crate) fn too_many_between(count: usize) -> Option<String> {
 
 /// A factor within people: its name, and its level in each condition.
 pub(crate) type Within = (String, Vec<String>);
-
-/// The two factors that the conditions cross, if they do so completely.
-pub(crate) fn crossed(conditions: &[&Condition]) -> Option<Vec<Within>> {
-    let names: Vec<&String> = conditions.first()?.levels.keys().collect();
-    if names.len() != MOST_FACTORS {
-        return None;
-    }
-    let mut factors = Vec::new();
-    let mut cells = 1;
-    for name in names {
-        let levels = conditions.iter().map(|c| c.levels.get(name).cloned());
-        let levels: Vec<String> = levels.collect::<Option<_>>()?;
-        let mut different = levels.clone();
-        different.sort_unstable();
-        different.dedup();
-        if different.len() < 2 {
-            return None;
-        }
-        cells *= different.len();
-        factors.push((name.clone(), levels));
-    }
-    let cell = |index: usize| [&factors[0].1[index], &factors[1].1[index]];
-    let twice = (1..conditions.len()).any(|b| (0..b).any(|a| cell(a) == cell(b)));
-    (cells == conditions.len() && !twice).then_some(factors)
-}
 
 /// The factors that these conditions cross; else the conditions themselves are one.
 pub(crate) fn factors_within(design: &Design, conditions: &[ConditionId]) -> Vec<Within> {

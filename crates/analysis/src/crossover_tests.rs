@@ -5,7 +5,7 @@ use crate::{
     Verdict, analyse, finding,
     testing::{analysed_by, design, drive, id, panel, person, plain, score},
 };
-use Verdict::{NotShown, NotTested, Shown, TooFew};
+use Verdict::{Fails, NotShown, NotTestable, NotTested, Shown, TooFew};
 use maveric_domain::{
     ConditionId, Moment,
     design::{OrderPlan, Square},
@@ -371,6 +371,86 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
     );
 }
 
+const COMFORT: &str = "comfort.total";
+
+/// The same rides, after which a person (from 0) answered so to an item on a condition (from 0).
+fn answered(answer: impl Fn(usize, usize) -> f64) -> Tables {
+    let mut tables = ridden(16, 0.5, 0.3);
+    for i in 0..16 {
+        for (k, condition) in CONDITIONS.into_iter().enumerate() {
+            let after = Moment::after(id(condition));
+            let answer = score(i, after, "comfort", "total", answer(i, k));
+            tables.post.push(answer);
+        }
+    }
+    tables
+}
+
+/// Comfort is primary, then speed; the hypothesis says that calm lies above sporty, or below.
+fn comfort_first(sign: &str) -> String {
+    let comfort = format!(
+        "[[outcome]]\nscale = \"{COMFORT}\"\nprimary = true\ntest = \"ordinal\"\ncontrast = [\"sporty\", \"calm\"]\n"
+    );
+    let says = format!(
+        "[[hypothesis]]\nsays = \"h\"\noutcome = \"{COMFORT}\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"{sign}\"\n"
+    );
+    text(&(comfort + &primary(SPEED, "mixed"))) + &says
+}
+
+#[test]
+fn an_item_at_its_floor_after_one_condition_is_tested_by_its_likelihood_ratio_and_opens_the_gate() {
+    let scattered = |i: usize, k: usize| (4.0 + 1.6 * noise(i, 60 + k)).round().clamp(2.0, 7.0);
+    let floor = |i: usize, k: usize| if k == 3 { 1.0 } else { scattered(i, k) };
+    // Everybody says yes but after sporty, nobody there: no condition has a finite coefficient.
+    let whole = |_: usize, k: usize| if k == 3 { 0.0 } else { 1.0 };
+    for (way, verdict) in [("+", Shown), ("-", Fails)] {
+        for tables in [answered(floor), answered(whole)] {
+            let a = analysed_by(&comfort_first(way), tables);
+            assert_eq!(verdicts(&a), [Shown, Shown]);
+            let comfort = &a.primary[0];
+            assert!(comfort.p.unwrap() < 0.001 && comfort.mean_difference.unwrap() < 0.0);
+            assert!(comfort.unbounded && comfort.odds.is_none() && comfort.why_not.is_none());
+            let judged = &a.hypotheses[0];
+            assert_eq!((judged.verdict, judged.p), (verdict, comfort.p));
+            assert!(judged.unbounded && judged.mean_difference.unwrap() > 0.0);
+            let pair = crate::pairs::contrast(panel(&a, COMFORT), ["sporty", "calm"].map(id));
+            // The signed root of the ratio, which is held against F.
+            assert!(pair.unwrap().statistic.unwrap().abs() > 3.0);
+        }
+    }
+    // Two conditions at the floor do not differ, and what can be estimated is.
+    let two = |i: usize, k: usize| {
+        if k.is_multiple_of(3) {
+            1.0
+        } else {
+            scattered(i, k)
+        }
+    };
+    let a = analysed_by(&comfort_first("+"), answered(two));
+    assert_eq!(verdicts(&a), [NotShown, NotTested]);
+    assert!(a.primary[0].p.unwrap() > 0.99);
+    let finite = crate::pairs::contrast(panel(&a, COMFORT), ["even", "brisk"].map(id)).unwrap();
+    assert!(finite.odds.is_some() && !finite.unbounded);
+}
+
+#[test]
+fn what_cannot_be_tested_is_neither_shown_nor_not_shown_says_why_and_closes_the_gate() {
+    // Answers that nobody varies have no model.
+    let a = analysed_by(&comfort_first("+"), answered(|_, _| 3.0));
+    assert_eq!(verdicts(&a), [NotTestable, NotTested]);
+    let comfort = &a.primary[0];
+    assert!(comfort.p.is_none() && !comfort.unbounded);
+    let why = comfort.why_not.as_ref().unwrap();
+    assert!(why.contains("all answers are 3"), "{why}");
+    let judged = &a.hypotheses[0];
+    assert_eq!((judged.verdict, judged.n), (NotTestable, 16));
+    assert_eq!((judged.mean_difference, judged.interval), (Some(0.0), None));
+    assert_eq!(&judged.why_not, &comfort.why_not);
+    let question = |question| finding::by_question(&a.findings, question).unwrap().verdict;
+    assert_eq!(question(Question::Primary(1)), NotTestable);
+    assert_eq!(question(Question::Hypothesis(1)), NotTestable);
+}
+
 #[test]
 fn where_the_declared_test_has_no_result_no_other_steps_in() {
     // A speed is no ordered answer.
@@ -385,7 +465,9 @@ fn where_the_declared_test_has_no_result_no_other_steps_in() {
         "{:?}",
         speed_panel.reasons
     );
-    assert_eq!((a.primary[0].p, a.primary[0].verdict), (None, NotShown));
+    assert_eq!((a.primary[0].p, a.primary[0].verdict), (None, NotTestable));
+    let why = a.primary[0].why_not.as_ref().unwrap();
+    assert!(why.contains("whole number"), "{why}");
     // One order for all: the condition is one thing with the period.
     let mut same = ridden(16, 0.5, 0.3);
     let order = same.people[0].order.clone();

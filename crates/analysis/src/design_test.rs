@@ -2,7 +2,7 @@
 
 use crate::{
     AnalysisError,
-    by_factor::by_factor,
+    by_factor::{by_factor, of_groups},
     crossed::{Within, factors_within, too_many_between},
     data::StudyData,
     outcomes::Asked,
@@ -175,13 +175,23 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
     // What one outcome lacks is no fault of the study.
     let comparison = match compare_by_design(&columns, &choice) {
         Ok(comparison) => comparison,
-        Err(refused) => return Ok(Err(refused.to_string())),
+        Err(refused) => {
+            let over_everybody = tested.asked.test.filter(|_| panel.group.is_none());
+            let never = over_everybody.and_then(|test| data.design.never_run(test));
+            let why = never.map(|test| {
+                format!("{test}: this test is of one factor within people, and of nothing else")
+            });
+            return Ok(Err(why.unwrap_or_else(|| refused.to_string())));
+        }
     };
     let (mut factors, mut carried) = (None, None);
     if tested.purpose == Purpose::Report && panel.group.is_none() {
         factors = match &comparison {
             ByDesign::Factorial(tests) if tests.found.anova.levels.len() > 1 => {
                 Some(by_factor(&data.design, &columns, tests)?)
+            }
+            ByDesign::Groups(groups) => {
+                of_groups(&columns, &groups.found).map(|found| (found, Vec::new()))
             }
             _ => None,
         };
@@ -208,9 +218,16 @@ fn table(
 ) -> Result<DesignTable, AnalysisError> {
     let (data, panel) = (tested.data, tested.panel);
     let design = &data.design;
+    let mut people: Vec<(&ParticipantId, &Vec<Option<f64>>)> =
+        tested.people.iter().zip(&panel.rows).collect();
+    // The levels of groups stand in alphabetical order, whoever comes first: which of two is the first is then in no id.
+    people.sort_by_cached_key(|(p, _)| {
+        let levels = between.iter().map(|f| data.column(p, &f.name));
+        levels.collect::<Vec<_>>()
+    });
     let rows = || {
-        let people = tested.people.iter().zip(&panel.rows);
-        people.flat_map(|(p, row)| (0..row.len()).map(move |column| (p, column, row[column])))
+        let people = people.iter();
+        people.flat_map(|&(p, row)| (0..row.len()).map(move |column| (p, column, row[column])))
     };
     let within: Vec<Within> = within
         .into_iter()

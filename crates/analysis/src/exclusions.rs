@@ -28,7 +28,7 @@ pub struct Driven {
     pub duration_s: Option<f64>,
 }
 
-/// A drive or a ride that somebody stopped, since they felt unwell.
+/// A drive or a ride that somebody stopped, since they felt unwell, or that the experimenter left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stopped {
     /// Who.
@@ -43,9 +43,14 @@ pub struct Stopped {
     pub trial: NonZeroU32,
     /// How long they had driven, in s.
     pub time_s: f64,
-    /// `unwell` where they pressed the button, else the rule that held.
+    /// `unwell` where they pressed the button, else the rule that held, or what the experimenter did and why.
     pub reason: String,
 }
+
+/// What the experimenter does with a drive, and with all of a person's.
+const SKIPPED: &str = "skipped";
+const ABORTED: &str = "aborted";
+const EXCLUDED: &str = "excluded";
 
 impl Stopped {
     /// The ride, or the drive.
@@ -59,9 +64,32 @@ impl Stopped {
         }
     }
 
-    /// Whether the person stopped it; what the experimenter left out has what they did before a colon.
+    /// Whether the person stopped it.
     pub fn by_the_person(&self) -> bool {
-        !self.reason.contains(": ")
+        self.by_the_experimenter().is_none()
+    }
+
+    /// What the experimenter did with it, and what follows that: a colon and why, or nothing where it was kept back. None where the person
+    /// stopped it.
+    fn by_the_experimenter(&self) -> Option<(&str, &str)> {
+        let act = self.reason.split(": ").next()?;
+        let why = self.reason.strip_prefix(act)?;
+        [SKIPPED, ABORTED, EXCLUDED]
+            .contains(&act)
+            .then_some((act, why))
+    }
+
+    /// Why it is left out.
+    fn why(&self) -> Why {
+        let (condition, reason) = (self.condition, &self.reason);
+        match self.by_the_experimenter() {
+            Some((EXCLUDED, why)) => Why::by(Rule::Excluded, format!("by the experimenter{why}")),
+            Some((act, why)) => Why::by(Rule::Stopped, format!("`{condition}` was {act}{why}")),
+            None => Why::by(
+                Rule::Stopped,
+                format!("`{condition}` was stopped: {reason}"),
+            ),
+        }
     }
 }
 
@@ -77,6 +105,9 @@ pub enum Rule {
     /// A drive or a ride that the person stopped.
     #[serde(rename = "stopped")]
     Stopped,
+    /// All that a person drove, by the experimenter.
+    #[serde(rename = "excluded")]
+    Excluded,
     /// A drive below the shortest that counts.
     #[serde(rename = "exclude.drive_shorter_than_s")]
     Short,
@@ -107,12 +138,16 @@ pub enum Rule {
 }
 
 impl Rule {
+    /// Those of the design and of the list of stopped rides that name whom or what they leave out, which is known without the data.
+    pub const BY_NAME: [Self; 4] = [Self::People, Self::Drives, Self::Stopped, Self::Excluded];
+
     /// Its key in the design, or what it is called in a list of exclusions.
     pub fn key(self) -> &'static str {
         match self {
             Self::People => "exclude.people",
             Self::Drives => "exclude.drives",
             Self::Stopped => "stopped",
+            Self::Excluded => EXCLUDED,
             Self::Short => "exclude.drive_shorter_than_s",
             Self::StraightLined => "exclude.straight_lined",
             Self::Attention => "exclude.attention_missed_at_least",
@@ -218,9 +253,7 @@ impl LeftOut {
     #[must_use]
     pub fn with_stopped(mut self, stopped: &[Stopped]) -> Self {
         for ride in stopped {
-            let (who, condition) = (&ride.participant, ride.condition);
-            let reason = format!("`{condition}` was stopped: {}", ride.reason);
-            let why = Why::by(Rule::Stopped, reason);
+            let (who, why) = (&ride.participant, ride.why());
             let cell = (who.clone(), ride.ride());
             self.cells.entry(cell).or_insert(why.clone());
             // The ids of the two may be too long for one: then no drive has their name.
@@ -314,6 +347,34 @@ impl LeftOut {
                 self.and_person(driven.participant.clone(), why);
             }
         }
+    }
+
+    /// And, as people, those of whom the experimenter left out all that they drove.
+    #[must_use]
+    pub(crate) fn with_excluded(mut self, stopped: &[Stopped]) -> Self {
+        for ride in stopped {
+            let why = ride.why();
+            if why.rule == Rule::Excluded {
+                self.and_person(ride.participant.clone(), why);
+            }
+        }
+        self
+    }
+
+    /// Single drives: not those of whoever, of these people, the experimenter left out as a whole.
+    pub(crate) fn single_drives(
+        &self,
+        people: &BTreeSet<&ParticipantId>,
+    ) -> impl Iterator<Item = (&DriveId, &Why)> {
+        let whole = |who: &ParticipantId, why: &Why| {
+            why.rule == Rule::Excluded && people.contains(who) && !self.keeps_person(who)
+        };
+        let cells = self.cells.iter();
+        let cells = cells.filter(|((who, _), why)| whole(who, why));
+        let names = cells.filter_map(|((who, ride), _)| DriveId::in_condition(who, *ride).ok());
+        let names: BTreeSet<DriveId> = names.collect();
+        let drives = self.drives.iter();
+        drives.filter(move |(drive, _)| !names.contains(*drive))
     }
 
     /// Why what somebody said of a ride is left out, or drove in it: of several in a condition each is judged alone. A drive left out by the name that this program gives it counts

@@ -365,7 +365,7 @@ pub fn by_question(findings: &[Finding], question: Question) -> Option<&Finding>
 mod tests {
     use super::*;
     use crate::verdict::FEWEST;
-    use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
+    use Verdict::{Fails, NotAsked, NotShown, NotTestable, Shown, TooFew};
     use maveric_stats::proportion;
 
     #[test]
@@ -412,7 +412,7 @@ mod tests {
                 differs(0, None),
                 differs(24, None)
             ],
-            [Shown, NotShown, TooFew, NotAsked, NotShown]
+            [Shown, NotShown, TooFew, NotAsked, NotTestable]
         );
         let share = |hits, n| {
             let share = proportion(hits, n, 0.95).ok();

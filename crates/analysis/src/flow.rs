@@ -21,8 +21,15 @@ pub struct Flow {
     pub recruited: usize,
     /// Those of them who drove or rated at least one condition, were measured in one, or drove the baseline.
     pub drove: usize,
-    /// People left out, a row a reason.
+    /// Those of them who did nothing of the kind, each in a row of `left_out`, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub absent: Vec<String>,
+    /// People left out of those recruited, a row a reason.
     pub left_out: Vec<LeftOutFor>,
+    /// People whom the design leaves out by name and whose drives would have been learned from alone, a row a reason; they are none of the
+    /// recruited.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_learned_from: Vec<LeftOutFor>,
     /// People analysed.
     pub analysed: usize,
     /// Single drives left out of those analysed, a row a reason.
@@ -62,21 +69,30 @@ pub(crate) fn flow(
     } else {
         people.iter().filter(|p| p.tested).map(|p| &p.id).collect()
     };
-    let absent = Why::by(Rule::Absent, "no drive and no answer in any condition");
+    let why_absent = Why::by(Rule::Absent, "no drive and no answer in any condition");
     let out = recruited.iter().filter_map(|&who| {
-        let absent = (!there.contains(who)).then_some(&absent);
-        Some((who.to_string(), left_out.people.get(who).or(absent)?))
+        let why_absent = (!there.contains(who)).then_some(&why_absent);
+        Some((who.to_string(), left_out.people.get(who).or(why_absent)?))
     });
     let out: Vec<(String, &Why)> = out.collect();
-    let drives = left_out.drives.iter();
+    let absent = recruited.iter().filter(|who| !there.contains(**who));
+    let absent: Vec<String> = absent.map(|&who| who.to_string()).collect();
+    let drives = left_out.single_drives(&recruited);
+    let learners = people.iter().filter(|p| p.learned && !p.tested);
+    let named = learners.filter_map(|p| {
+        let why = left_out.people.get(&p.id)?;
+        (why.rule == Rule::People).then(|| (p.id.to_string(), why))
+    });
     let drives = drives.map(|(drive, why)| (drive.to_string(), why));
     Flow {
         not_admitted: not_admitted.to_vec(),
         consents,
         recruited: recruited.len(),
-        drove: recruited.iter().filter(|who| there.contains(**who)).count(),
+        drove: recruited.len() - absent.len(),
+        absent,
         analysed: recruited.len() - out.len(),
         left_out: by_reason(design, out),
+        not_learned_from: by_reason(design, named),
         drives: by_reason(design, drives),
     }
 }
@@ -97,4 +113,35 @@ fn by_reason<'a>(
     }
     let row = |((rule, why), who)| LeftOutFor { rule, why, who };
     reasons.into_iter().map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_would_have_been_learned_from_and_is_left_out_by_name_is_counted_apart() {
+        let text = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[exclude]\npeople = { L1 = \"withdrew\", T1 = \"withdrew\", X1 = \"gone\" }\n";
+        let design = Design::from_toml(text).unwrap();
+        let person = |id: &str, learned: bool| Person {
+            id: ParticipantId::new(id).unwrap(),
+            learned,
+            tested: !learned,
+            order: Vec::new(),
+            columns: BTreeMap::new(),
+        };
+        let people = [
+            person("L1", true),
+            person("L2", true),
+            person("T1", false),
+            person("T2", false),
+        ];
+        let there = people.iter().map(|p| p.id.clone()).collect();
+        let left_out = LeftOut::named(&design);
+        let flow = flow(&design, &people, &there, &left_out, (&[], Vec::new()));
+        let rows = |rows: &[LeftOutFor]| rows.iter().map(|r| r.who.clone()).collect::<Vec<_>>();
+        assert_eq!(rows(&flow.not_learned_from), [["L1"]]);
+        assert_eq!(rows(&flow.left_out), [["T1"]]);
+        assert_eq!((flow.recruited, flow.analysed), (2, 1));
+    }
 }

@@ -3,7 +3,7 @@
 use crate::{
     AnalysisError,
     data::StudyData,
-    pairs::{contrast, values},
+    pairs::{contrast, mean_difference, values, why_no_p},
     result::{ContrastTest, Judged, Panel, PrimaryOutcome},
     verdict::{FEWEST, Verdict, directed, equivalent, one_sided, outside},
 };
@@ -58,6 +58,8 @@ fn judge(
         p: None,
         holm: primary.is_none() && matches!(hypothesis.claim, Claim::Direction(_)),
         p_outside: None,
+        unbounded: false,
+        why_not: None,
     };
     if panel.rows.iter().flatten().all(Option::is_none) {
         return Ok(judged);
@@ -77,16 +79,18 @@ fn judge(
         .and_then(|c| Some((c.mean_difference?, c.se?, c.df?)));
     match hypothesis.claim {
         Claim::Direction(sign) => {
+            judged.mean_difference = mean_difference(panel, hypothesis.contrast);
             if let Some(tested) = tested.filter(|tested| tested.p_holm.is_some()) {
                 judged.mean_difference = tested.mean_difference;
                 judged.p = tested.p_holm;
                 judged.interval = tested.interval;
                 judged.odds = tested.odds;
+                judged.unbounded = tested.unbounded;
                 if primary.is_some() {
                     judged.p = tested.p;
                 }
             }
-            if model.is_none() && panel.test != Some(ContrastTest::Ordinal) {
+            if judged.p.is_some() && model.is_none() && panel.test != Some(ContrastTest::Ordinal) {
                 // The interval is the same whatever the bounds.
                 let ordinary = equivalent((-1.0, 1.0), &differences)?.1;
                 judged.interval = ordinary.and_then(|t| t.ci.ends());
@@ -112,6 +116,9 @@ fn judge(
             judged.p_outside = sides.map(outside);
             judged.interval = test.and_then(|t| t.ci90.ends());
         }
+    }
+    if judged.verdict == Verdict::NotTestable {
+        judged.why_not = Some(why_no_p(panel, hypothesis.contrast));
     }
     Ok(judged)
 }

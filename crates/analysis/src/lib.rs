@@ -58,8 +58,9 @@ pub use flow::{Flow, LeftOutFor, NotAdmitted};
 pub use homophily::least_that_holds;
 pub use lent::{BesideLent, LentContrast};
 pub use other_choice::{OtherChoice, Sensitivity, SensitivityRow};
+pub use outcomes::shown_unit;
 pub use person::Person;
-pub use planned::{PlannedTest, planned};
+pub use planned::{PlannedTest, held_against_baseline, planned};
 pub use presses::{BeforePress, CoursePoint, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};
 pub use recommendation::{
     Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,

@@ -50,17 +50,16 @@ impl Asked {
     pub(crate) fn measure(design: &Design, name: &str) -> Self {
         let known = objective::find(name);
         let declared = design.measure(name);
-        let speed = design.speed_unit();
-        let [title, unit] = match (declared, known) {
-            (Some(declared), _) => [declared.title.as_str(), declared.shown_unit()],
-            (None, Some(known)) => [known.title, known.shown.unit(speed)],
-            (None, None) => [name, ""],
+        let title = match (declared, known) {
+            (Some(declared), _) => declared.title.as_str(),
+            (None, Some(known)) => known.title,
+            (None, None) => name,
         };
         Self {
             id: name.to_owned(),
             title: title.to_owned(),
-            unit: unit.to_owned(),
-            factor: known.map_or(1.0, |m| m.shown.factor(speed)),
+            unit: shown_unit(design, name).to_owned(),
+            factor: known.map_or(1.0, |m| m.shown.factor(design.speed_unit())),
             same: None,
             aggression: declared.map_or_else(|| known.and_then(|m| m.aggression), |m| m.aggression),
             quantity: Quantity::Measure(name.to_owned()),
@@ -152,6 +151,15 @@ impl Asked {
             sign.map(Sign::factor).or(still.then_some(0.0))
         };
         Sign::of(place(first)? - place(second)?)
+    }
+}
+
+/// The unit in which pages show an outcome, and in which bounds of its differences are declared; empty of a score, a count and a share.
+pub fn shown_unit<'a>(design: &'a Design, outcome: &str) -> &'a str {
+    match (design.measure(outcome), objective::find(outcome)) {
+        (Some(declared), _) => declared.shown_unit(),
+        (None, Some(known)) => known.shown.unit(design.speed_unit()),
+        (None, None) => "",
     }
 }
 

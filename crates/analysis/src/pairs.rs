@@ -10,6 +10,7 @@ use crate::{
 };
 use maveric_domain::{ConditionId, design::DeclaredTest};
 use maveric_stats::{ByDesign, ChosenTest, PosthocTest};
+use std::borrow::Cow;
 
 /// Values of both conditions of those whom the panel's tests are of: whoever lacks a value of any condition is in none of them. The
 /// baseline of a panel of differences is 0.
@@ -82,17 +83,52 @@ pub(crate) fn model_pairs<'a>(
     };
     let names = panel.conditions.iter().enumerate();
     let names = names.map(|(index, c)| (*c, name(index))).collect();
-    let (test, pairs) = match panel.comparison.as_ref()? {
+    let (test, pairs, ratios) = match panel.comparison.as_ref()? {
         ByDesign::Mixed(mixed) => {
-            let fit = &mixed.found;
-            let of_model = || fit.model.contrast.get(&term.join(":"));
-            let own_error = Some(&fit.own_error).filter(|pairs| !pairs.is_empty());
-            (ContrastTest::Mixed, own_error.or_else(of_model)?)
+            let pairs = mixed.found.pairs(&term.join(":"));
+            let pairs = Some(pairs).filter(|pairs| !pairs.is_empty())?;
+            (ContrastTest::Mixed, Cow::Owned(pairs), None)
         }
-        ByDesign::Ordinal(ordinal) => (ContrastTest::Ordinal, &ordinal.found.contrast),
+        ByDesign::Ordinal(ordinal) => {
+            let analysis = &ordinal.found;
+            let pairs = Cow::Borrowed(&analysis.contrast);
+            (ContrastTest::Ordinal, pairs, Some(&analysis.ratio))
+        }
         _ => return None,
     };
-    Some(ModelPairs { test, pairs, names })
+    Some(ModelPairs {
+        test,
+        pairs,
+        ratios,
+        names,
+    })
+}
+
+const NO_TEST: &str = "the test has no p for these data";
+const NO_SPREAD: &str = "the difference is the same in everybody: it has no spread";
+
+/// Why the contrast of two conditions has no p, where people enough have values.
+pub(crate) fn why_no_p(panel: &Panel, [first, second]: [ConditionId; 2]) -> String {
+    let Some(comparison) = &panel.comparison else {
+        let reason = panel.reasons.first().cloned();
+        return reason.unwrap_or_else(|| NO_TEST.to_owned());
+    };
+    let of_model = match comparison {
+        ByDesign::Ordinal(ordinal) => ordinal.found.model.undefined.get("lr.p"),
+        ByDesign::Mixed(mixed) => {
+            let mut reasons = mixed.found.model.undefined.iter();
+            let of_pair = reasons.find(|(name, _)| name.starts_with("own_error."));
+            of_pair.map(|(_, why)| why)
+        }
+        _ => None,
+    };
+    let differences: Vec<f64> = values(panel, first, second)
+        .iter()
+        .map(|[a, b]| a - b)
+        .collect();
+    let alike = differences.windows(2).all(|d| (d[0] - d[1]).abs() < 1e-12);
+    let why = of_model.or_else(|| alike.then_some(NO_SPREAD));
+    why.unwrap_or(NO_TEST).to_owned()
 }
 
 /// Ranks where ranks were compared, or the order of the answers alone counts.

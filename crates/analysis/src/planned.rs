@@ -22,9 +22,19 @@ pub enum PlannedTest {
     None(String),
 }
 
+/// The only condition and the baseline, which are then the pair that is compared; none where there are other conditions, or no other baseline.
+pub fn held_against_baseline(design: &Design) -> Option<[ConditionId; 2]> {
+    let [one] = design.conditions() else {
+        return None;
+    };
+    let baseline = design.baseline_id()?;
+    (one.id != baseline).then_some([one.id, baseline])
+}
+
 /// The test that a study's design calls for; levels of factors between people count as two, which decides nothing.
 pub fn planned(design: &Design) -> PlannedTest {
-    let conditions: Vec<ConditionId> = design.condition_ids().collect();
+    let baseline = held_against_baseline(design).map(|[_, baseline]| baseline);
+    let conditions: Vec<ConditionId> = design.condition_ids().chain(baseline).collect();
     let (between, covariates) = (design.factors(), design.covariates());
     if let Some(why) = too_many_between(between.len()) {
         return PlannedTest::None(why);

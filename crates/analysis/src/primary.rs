@@ -1,10 +1,11 @@
-//! The primary outcomes: declared tests, each at α in the order written, until the first that is not below it.
+//! The primary outcomes: declared tests, each at α in the order written, until the first that is not below it, or that cannot be tested:
+//! to go on behind that one would give a second hypothesis its chance at α before the first has had its own.
 
 use crate::{
     data::StudyData,
-    pairs::{contrast, panel_of_everybody},
+    pairs::{contrast, mean_difference, panel_of_everybody, why_no_p},
     result::{Panel, PrimaryOutcome},
-    verdict::{ALPHA, FEWEST, Verdict, significant},
+    verdict::{FEWEST, Verdict, significant},
 };
 use maveric_domain::ConditionId;
 
@@ -35,6 +36,9 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
         };
         let contrast = contrast.filter(|_| closed_by.is_none() && n >= FEWEST);
         let p = contrast.as_ref().and_then(|c| c.p);
+        let measured = contrast
+            .as_ref()
+            .and_then(|_| mean_difference(panel, [first, second]));
         let verdict = if closed_by.is_some() {
             Verdict::NotTested
         } else {
@@ -48,14 +52,19 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             test,
             n,
             closed_by: closed_by.clone(),
-            mean_difference: contrast.as_ref().and_then(|c| c.mean_difference),
+            mean_difference: contrast
+                .as_ref()
+                .and_then(|c| c.mean_difference)
+                .or(measured),
             odds: contrast.as_ref().and_then(|c| c.odds),
+            unbounded: contrast.as_ref().is_some_and(|c| c.unbounded),
             interval: contrast.and_then(|c| c.interval),
             p,
             verdict,
+            why_not: (verdict == Verdict::NotTestable).then(|| why_no_p(panel, [first, second])),
             outcome: id.clone(),
         });
-        if p.is_none_or(|p| p >= ALPHA) && closed_by.is_none() {
+        if verdict != Verdict::Shown && closed_by.is_none() {
             closed_by = Some(id);
         }
     }

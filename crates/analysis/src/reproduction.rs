@@ -24,7 +24,7 @@ fn measures(data: &StudyData) -> Vec<Asked> {
 /// Accuracy of each measure, beside what the mean of the training drivers would have reached; nothing without a baseline and a condition
 /// that lies at 0 on the dial.
 ///
-/// Whoever the tests of a measure leave out, for a missing value of any condition, is left out here too.
+/// Whoever the tests of a measure leave out, for a missing value of any condition, factor or covariate, is left out here too.
 pub(crate) fn reproduction(
     data: &StudyData,
     panels: &[Panel],
@@ -141,6 +141,9 @@ pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, 
                 }
             }
             let n = subjects.len();
+            if n == 0 {
+                continue;
+            }
             let count = |order| {
                 distances
                     .iter()

@@ -313,6 +313,22 @@ mod tests {
     }
 
     #[test]
+    fn a_ride_of_which_something_was_said_counts_without_a_log_of_it() {
+        let mut elsewhere = tables(4, steady(|_| 7.0));
+        elsewhere.measurements.clear();
+        elsewhere.post.retain(|score| {
+            let ride = score.moment.ride().map(|ride| ride.to_string());
+            score.participant != person(0) || ride.as_deref() != Some("fast:s1:t2")
+        });
+        let repeats = analysed(elsewhere).repeats.unwrap();
+        let counted = repeats.rides.iter();
+        let counted: Vec<_> = counted
+            .map(|r| (r.condition, r.whole, r.fewer, r.rides))
+            .collect();
+        assert_eq!(counted, [(id("fast"), 3, 1, 7), (id("slow"), 4, 0, 8)]);
+    }
+
+    #[test]
     fn the_second_session_is_set_against_the_first_and_who_did_not_come_back_is_counted_with_their_means()
      {
         // The last two of six do not come back. The others are 1 m/s faster or slower in turn.

@@ -8,18 +8,20 @@ mod own_style;
 mod who_is_in;
 
 use crate::{
-    AnalysisError, ContrastTest, Described, Judged, Panel, Person, PlannedTest, Purpose, StudyData,
-    Tables, Verdict, analyse, pairs, planned,
+    AnalysisError, ContrastTest, Described, Judged, Panel, Person, PlannedTest, Purpose, Question,
+    StudyData, Tables, Verdict, analyse, pairs, planned,
     testing::{
-        DESIGN, FASTER, SPEED, analysed, analysed_by, design, drive as drive_of, id, near, panel,
-        person, plain, steered, tables,
+        DESIGN, FASTER, OWN, SPEED, analysed, analysed_by, design, drive as drive_of, id, near,
+        panel, person, plain, steered, tables,
     },
 };
 use maveric_domain::{
     Moment, Scale,
     design::{ScoreName, Sign},
 };
-use maveric_stats::{ByDesign, EffectMethod, FactorialDesign, OmnibusTest, factorial};
+use maveric_stats::{
+    ByDesign, EffectMethod, FactorialDesign, OmnibusTest, factorial, mean_interval,
+};
 
 /// A row of the table of people.
 fn listed(i: usize, learned: bool, columns: &[(&str, &str)]) -> Person {

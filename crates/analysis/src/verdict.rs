@@ -19,8 +19,10 @@ pub enum Verdict {
     NotAsked,
     /// Fewer than [`FEWEST`] have a value.
     TooFew,
-    /// A primary outcome before it was not below .05.
+    /// A primary outcome before it was not shown.
     NotTested,
+    /// There are people enough and no p: what would test it does not exist for these data.
+    NotTestable,
 }
 
 /// Level of every test.
@@ -39,6 +41,7 @@ impl Verdict {
             Self::NotAsked => "not asked",
             Self::TooFew => "too few to say",
             Self::NotTested => "not tested",
+            Self::NotTestable => "not testable",
         }
     }
 
@@ -47,7 +50,21 @@ impl Verdict {
         if n == 0 { Self::NotAsked } else { Self::TooFew }
     }
 
-    /// Of several parts that all have to hold: fails where one does, shown where all are; too few where that is so of all that were asked.
+    /// Of `n` people without the number that would decide.
+    fn without_number(n: usize) -> Self {
+        if n < FEWEST {
+            Self::of_few(n)
+        } else {
+            Self::NotTestable
+        }
+    }
+
+    /// Whether a number decided, whichever way.
+    fn is_judged(self) -> bool {
+        matches!(self, Self::Shown | Self::NotShown | Self::Fails)
+    }
+
+    /// Of several parts that all have to hold: fails where one does, shown where all are; where none was judged as the first that was asked.
     pub fn all(parts: impl IntoIterator<Item = Self>) -> Self {
         let parts: Vec<Self> = parts.into_iter().filter(|v| *v != Self::NotAsked).collect();
         let every = |verdict| parts.iter().all(|v| *v == verdict);
@@ -57,7 +74,7 @@ impl Verdict {
             Self::Fails
         } else if every(Self::Shown) {
             Self::Shown
-        } else if every(Self::TooFew) || every(Self::NotTested) {
+        } else if !parts.iter().any(|verdict| verdict.is_judged()) {
             parts[0]
         } else {
             Self::NotShown
@@ -77,10 +94,10 @@ impl Verdict {
     }
 }
 
-/// A difference of an expected sign: shown below .05 on that side, fails below .05 on the other.
+/// A difference of an expected sign: shown below .05 on that side, fails below .05 on the other; not testable without a p.
 pub fn directed(n: usize, difference: Option<f64>, p: Option<f64>, expected: Sign) -> Verdict {
     let (Some(difference), Some(p)) = (difference, p) else {
-        return Verdict::of_few(n);
+        return Verdict::without_number(n);
     };
     match Sign::of(difference) {
         _ if n < FEWEST => Verdict::TooFew,
@@ -90,20 +107,21 @@ pub fn directed(n: usize, difference: Option<f64>, p: Option<f64>, expected: Sig
     }
 }
 
-/// A difference or correlation of any sign: shown with p below .05, else not shown.
+/// A difference or correlation of any sign: shown with p below .05, else not shown; not testable without a p.
 pub fn significant(n: usize, p: Option<f64>) -> Verdict {
     match p {
         _ if n < FEWEST => Verdict::of_few(n),
+        None => Verdict::NotTestable,
         Some(p) if p < ALPHA => Verdict::Shown,
-        _ => Verdict::NotShown,
+        Some(_) => Verdict::NotShown,
     }
 }
 
 /// An interval of something estimated from `n` of them: shown where all of it lies within the bounds, fails where all lies outside.
-/// An end that is infinite asks for one side only: `(0.8, f64::INFINITY)`.
+/// An end that is infinite asks for one side only: `(0.8, f64::INFINITY)`. Not testable without an interval.
 pub fn within(n: usize, interval: Option<(f64, f64)>, bounds: (f64, f64)) -> Verdict {
     match interval {
-        None => Verdict::of_few(n),
+        None => Verdict::without_number(n),
         Some(_) if n < FEWEST => Verdict::TooFew,
         Some((low, high)) if low >= bounds.0 && high <= bounds.1 => Verdict::Shown,
         Some((low, high)) if high < bounds.0 || low > bounds.1 => Verdict::Fails,
@@ -112,7 +130,7 @@ pub fn within(n: usize, interval: Option<(f64, f64)>, bounds: (f64, f64)) -> Ver
 }
 
 /// Two one-sided t tests of the differences against the bounds: shown where both are below .05, fails where one places the mean
-/// outside with less than .05. The test is not there for fewer than two differences, or where they do not vary.
+/// outside with less than .05. The test is not there for fewer than two differences, nor where they do not vary: that is not testable.
 ///
 /// # Errors
 /// [`AnalysisError`] for bounds that are none, or a difference that is not finite.
@@ -131,13 +149,14 @@ pub fn equivalent(
 }
 
 /// Two one-sided tests of `n` people, each p against what lies beyond its bound: shown where both are below .05, fails where one places
-/// the estimate outside with less than .05.
+/// the estimate outside with less than .05; not testable without these.
 pub(crate) fn one_sided(n: usize, sides: Option<(f64, f64)>) -> Verdict {
     match sides {
         _ if n < FEWEST => Verdict::TooFew,
+        None => Verdict::NotTestable,
         Some((lower, upper)) if lower.max(upper) < ALPHA => Verdict::Shown,
         Some(sides) if outside(sides) < ALPHA => Verdict::Fails,
-        _ => Verdict::NotShown,
+        Some(_) => Verdict::NotShown,
     }
 }
 
@@ -163,6 +182,20 @@ mod tests {
     }
 
     #[test]
+    fn without_a_number_that_decides_nothing_is_shown_nor_not_shown() {
+        let directions = |n| directed(n, Some(-1.0), None, Sign::Minus);
+        let intervals = |n| within(n, None, (0.0, 1.0));
+        for judged in [directions(24), significant(24, None), intervals(24)] {
+            assert_eq!(judged, Verdict::NotTestable);
+        }
+        for few in [directions(5), significant(5, None), intervals(5)] {
+            assert_eq!(few, Verdict::TooFew);
+        }
+        assert_eq!(one_sided(24, None), Verdict::NotTestable);
+        assert_eq!(significant(24, Some(0.05)), Verdict::NotShown);
+    }
+
+    #[test]
     fn an_interval_within_bounds_is_shown_and_one_outside_fails() {
         let judged = |low, high| within(24, Some((low, high)), (0.8, f64::INFINITY));
         assert_eq!(judged(0.81, 0.9), Verdict::Shown);
@@ -185,14 +218,19 @@ mod tests {
         assert_eq!(judged(0.9, 0.5, 24), Verdict::NotShown);
         assert_eq!(judged(2.0, 0.5, 24), Verdict::Fails);
         assert_eq!(judged(0.1, 0.1, 4), Verdict::TooFew);
-        assert_eq!(judged(0.0, 0.0, 24), Verdict::NotShown);
+        assert_eq!(judged(0.0, 0.0, 24), Verdict::NotTestable);
         assert_eq!(equivalent((-1.0, 1.0), &[]).unwrap().0, Verdict::NotAsked);
     }
 
     #[test]
     fn several_parts_are_shown_when_all_are_and_fail_when_one_does() {
-        use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
+        use Verdict::{Fails, NotAsked, NotShown, NotTestable, Shown, TooFew};
         assert_eq!(Verdict::all([Shown, Shown, NotAsked]), Shown);
+        assert_eq!(Verdict::all([NotTestable, NotTestable]), NotTestable);
+        assert_eq!(Verdict::all([NotAsked, TooFew, NotTestable]), TooFew);
+        assert_eq!(Verdict::all([Shown, NotTestable]), NotShown);
+        assert_eq!(Verdict::any([Shown, NotTestable]), Shown);
+        assert_eq!(Verdict::any([NotShown, NotTestable]), NotShown);
         assert_eq!(Verdict::all([Shown, TooFew]), NotShown);
         assert_eq!(Verdict::all([Shown, NotShown, Fails]), Fails);
         assert_eq!(Verdict::all([TooFew, TooFew]), TooFew);

@@ -18,7 +18,7 @@ pub(crate) mod verify;
 
 use crate::{
     diagnostics::{Failure, printable, tell},
-    invocation::this_command,
+    invocation::{FigureStyle, style_stages, this_command},
     progress,
 };
 use clap::{CommandFactory as _, FromArgMatches, Parser, Subcommand};
@@ -125,8 +125,10 @@ pub(crate) fn styled(style: Option<&str>, command: Command) -> Result<(), Failur
     // The style of `init` is a driver's: a score that the dial turns.
     let figures = !matches!(command, Command::Init(_));
     if let Some(path) = style.filter(|_| figures) {
-        maveric_study::style_figures(std::path::Path::new(path))
-            .map_err(Failure::study("could not use the style"))?;
+        let doing = "could not use the style";
+        let file = std::path::absolute(path).map_err(|e| Failure::io(doing, e))?;
+        let hash = maveric_study::style_figures(Path::new(path)).map_err(Failure::study(doing))?;
+        style_stages(FigureStyle { file, hash });
     }
     run(command)
 }

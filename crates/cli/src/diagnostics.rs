@@ -47,6 +47,8 @@ pub(crate) fn printable(text: &str) -> Cow<'_, str> {
 pub(crate) enum Failure {
     /// Interrupted: say little.
     Interrupted,
+    /// A run of a pipeline was interrupted, and what it leaves has been told.
+    InterruptedRun,
     /// The work failed.
     Failed(Failed),
     /// The work failed, and its failures have been told as they happened.
@@ -133,6 +135,11 @@ impl Failure {
     pub(crate) fn pipeline(doing: &'static str) -> impl FnOnce(PipelineError) -> Self {
         move |cause| match cause {
             PipelineError::Interrupted => Self::Interrupted,
+            cause if cause.is_usage() => {
+                let help = cause.suggestion();
+                let help = help.map_or_else(String::new, |help| format!(" ({help})"));
+                Self::Usage(format!("{cause}{help}"))
+            }
             cause => {
                 let help = cause.suggestion();
                 Self::new(doing, cause, help)
@@ -195,7 +202,7 @@ impl Failure {
     /// The failure in words, as [`Failure::report`] prints it without colours.
     pub(crate) fn text(&self) -> String {
         match self {
-            Self::Interrupted => "interrupted".to_owned(),
+            Self::Interrupted | Self::InterruptedRun => "interrupted".to_owned(),
             Self::Told => "failed".to_owned(),
             Self::Usage(message) => message.clone(),
             Self::Failed(failed) => render(&failed.printable(), true),
@@ -211,6 +218,7 @@ impl Failure {
                 );
                 INTERRUPTED
             }
+            Self::InterruptedRun => INTERRUPTED,
             Self::Told => 1,
             Self::Usage(message) => {
                 tell!("error: {message}");

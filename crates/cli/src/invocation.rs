@@ -51,6 +51,27 @@ pub(crate) fn current() -> Option<&'static Invocation> {
     CALLED.get()
 }
 
+/// How figures are to look.
+#[derive(Debug)]
+pub(crate) struct FigureStyle {
+    /// The style file; absolute.
+    pub(crate) file: PathBuf,
+    /// The hash of it and its fonts.
+    pub(crate) hash: String,
+}
+
+static STYLE: OnceLock<FigureStyle> = OnceLock::new();
+
+/// Has stages draw like that, too; the first of a process counts.
+pub(crate) fn style_stages(style: FigureStyle) {
+    drop(STYLE.set(style));
+}
+
+/// How figures of stages are to look, where a style was given.
+pub(crate) fn style_of_stages() -> Option<&'static FigureStyle> {
+    STYLE.get()
+}
+
 /// The command that is running, as it can be typed again.
 pub(crate) fn this_command() -> String {
     let words = current().map_or(&[][..], |call| &call.words);

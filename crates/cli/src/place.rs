@@ -1,8 +1,13 @@
 //! Where a pipeline stands, and what its stages may call.
 
-use crate::{diagnostics::Failure, invocation, stage_files::COMMANDS};
+use crate::{
+    diagnostics::Failure,
+    invocation::{self, FigureStyle, Invocation},
+    stage_files::COMMANDS,
+};
 use maveric_pipeline::{Ledger, Pipeline, Place, Program, Settings, command_line, parse_override};
-use maveric_study::{DesignFile, design::DESIGN_FILE, missing::Missing};
+use maveric_study::{DesignFile, StudyError, design::DESIGN_FILE, missing::Missing, stages};
+use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// The pipeline of the current directory: that of its study, else the paper's.
@@ -61,13 +66,28 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
 /// Refuses files that the design in the current directory names and that are not there, where the pipeline follows from it: a run would not
 /// read what is meant. What asks for no logs goes on without them.
 pub(crate) fn check_named_files(file: &Path) -> Result<(), Failure> {
+    check_designed(file, |study| {
+        maveric_study::check_named_files(study, Path::new(RESULTS))
+    })
+}
+
+/// Refuses to run such a study while its table of people has no row.
+pub(crate) fn check_people(file: &Path) -> Result<(), Failure> {
+    check_designed(file, maveric_study::check_people)
+}
+
+/// Checks the design in the current directory, where the pipeline follows from it.
+fn check_designed(
+    file: &Path,
+    check: impl FnOnce(&DesignFile) -> Result<(), StudyError>,
+) -> Result<(), Failure> {
     let own = Path::new(DESIGNED_PIPELINE);
     if file != Path::new(DEFAULT_PIPELINE) || folders_own(Path::new("")) != own {
         return Ok(());
     }
     let study = DesignFile::find(None);
     study
-        .and_then(|study| maveric_study::check_named_files(&study, Path::new(RESULTS)))
+        .and_then(|study| check(&study))
         .map_err(Failure::study("could not make the study's pipeline"))
 }
 
@@ -187,11 +207,51 @@ pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
         ledger: ledger(file, &root),
         root,
         log_dir: folder.join(".logs").join(stem),
-        program: invocation::current().map(|call| Program {
-            name: "maveric".to_owned(),
-            path: call.program.clone(),
-            leading: call.leading.clone(),
-            versions: maveric_study::stages::versions(),
-        }),
+        program: invocation::current().map(|call| program(call, invocation::style_of_stages())),
     })
+}
+
+/// This program as stages call it, figures in the style of this call.
+fn program(call: &Invocation, style: Option<&FigureStyle>) -> Program {
+    let mut leading = call.leading.clone();
+    if let Some(style) = style {
+        leading.extend([
+            "--style".to_owned(),
+            style.file.to_slash_lossy().into_owned(),
+        ]);
+    }
+    Program {
+        name: "maveric".to_owned(),
+        path: call.program.clone(),
+        leading,
+        versions: style.map_or_else(stages::versions, |style| {
+            stages::versions_in_style(&style.hash)
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stages_draw_in_the_style_of_the_run_and_are_made_from_it() {
+        let call = Invocation {
+            words: Vec::new(),
+            program: "/bin/python".into(),
+            leading: vec!["-m".to_owned(), "maveric".to_owned()],
+        };
+        let plain = program(&call, None);
+        assert_eq!(plain.leading, ["-m", "maveric"]);
+        assert_eq!(plain.versions, stages::versions());
+        let style = FigureStyle {
+            file: "/study/s.toml".into(),
+            hash: "0123456789".to_owned(),
+        };
+        let styled = program(&call, Some(&style));
+        let words = ["-m", "maveric", "--style", "/study/s.toml"];
+        assert_eq!(styled.leading, words);
+        assert_ne!(styled.versions["report"], plain.versions["report"]);
+        assert_eq!(styled.versions["train"], plain.versions["train"]);
+    }
 }

@@ -31,6 +31,7 @@ pub use condition::{Baseline, By, Car, Color, Condition, Donors, Matched, Role, 
 pub use contrast::{Claim, Compare, Hypothesis, LevelContrast, Levels};
 pub use error::DesignError;
 pub use exclude::Exclude;
+pub use factors::crossed;
 pub use files::{BeyondRule, Files, Mappings, ModelFile, RigMapping, Software};
 pub use lending::{FEWEST_DONORS, Offer, Reach};
 pub use needs::{InputDevice, Needs};
@@ -168,6 +169,12 @@ impl Design {
         own.map(|c| c.id)
     }
 
+    /// Whether a car in the person's own style stands beside one elsewhere on the dial: then ratings of the two have a difference.
+    pub fn has_style_differences(&self) -> bool {
+        let mut conditions = self.conditions.iter();
+        self.own_style().is_some() && conditions.any(|c| c.side().is_some())
+    }
+
     /// The condition that moves across the dial.
     pub fn across(&self) -> Option<ConditionId> {
         let is_across = |c: &&Condition| c.car == Some(Car::Across);
@@ -303,6 +310,31 @@ impl Design {
     fn factor(&self, name: &str) -> Option<&Factor> {
         let mut factors = self.factors.iter().chain(&self.crossed);
         factors.find(|factor| factor.name == name)
+    }
+
+    /// A declared test that can never be run over everybody, with what stands in its way, such as `friedman` beside a factor of people; none
+    /// where it can be.
+    pub fn never_run(&self, test: DeclaredTest) -> Option<String> {
+        tested::never_run(test, &self.factors, &self.covariates, &self.conditions)
+    }
+
+    /// Refuses a primary outcome whose test can never be run: whoever declares it has to choose another one. A study that is under way goes
+    /// on, and the outcome is not testable.
+    ///
+    /// # Errors
+    /// [`DesignError::Key`] naming the first such test.
+    pub fn runnable(&self) -> Result<(), DesignError> {
+        for (at, outcome) in self.outcomes.iter().enumerate() {
+            let test = outcome.test.filter(|_| outcome.primary.is_some());
+            if let Some(found) = test.and_then(|test| self.never_run(test)) {
+                return Err(DesignError::key(
+                    format!("outcome[{}].test", at + 1),
+                    found,
+                    "\"mixed\": the other tests that a primary outcome can have are of one factor within people, and of nothing else",
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// The columns of the people's table that the tests need: of factors, then of covariates.

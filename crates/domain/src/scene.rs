@@ -3,6 +3,9 @@
 use crate::ids::VehicleId;
 use serde::{Deserialize, Serialize};
 
+/// Places across the road that differ by less are one, in m: sums of lanes are rounded.
+const SAME_PLACE_M: f64 = 1e-6;
+
 /// The road: parallel lanes, counted from the right (slow) lane 0.
 ///
 /// x runs forward, y to the left; the centre of lane 0 is at y = 0 and of lane i at i·width.
@@ -24,13 +27,20 @@ impl Road {
         posted_speed_mps: 24.5872,
     };
 
-    /// The lane in which a vehicle at lateral position `y_m` drives; none where its centre is further than half a lane beside the
-    /// road: it is parked there, comes towards ego, or drives on another road.
+    /// The lane in which a vehicle at lateral position `y_m` drives; none where its centre is half a lane or more beside the
+    /// road: it is parked there, comes towards ego, or drives on another road. The centre of a lane that the road does not have is in none.
     pub fn lane_at(&self, y_m: f64) -> Option<u8> {
         let (right, left) = (-self.lane_width_m, self.lane_centre_m(self.lanes));
-        (right..=left)
-            .contains(&y_m)
-            .then(|| self.nearest_lane(y_m))
+        let is_on_road = y_m > right + SAME_PLACE_M && y_m < left - SAME_PLACE_M;
+        is_on_road.then(|| self.nearest_lane(y_m))
+    }
+
+    /// Whether a vehicle at lateral position `y_m` drives in ego's lane. Of a road of one lane so does whoever is within half a lane of ego
+    /// where both are beside it: the lane may have another number there, or both are in a lane that is not known.
+    pub fn is_in_lane_of(&self, ego: &EgoState, y_m: f64) -> bool {
+        let aside_m = (y_m - ego.y_m).abs();
+        self.lane_at(y_m) == Some(self.nearest_lane(ego.y_m))
+            || (self.lanes == 1 && aside_m <= 0.5 * self.lane_width_m)
     }
 
     /// The lane whose centre is nearest to lateral position `y_m`: ego has one even where it leaves the road.
@@ -175,15 +185,50 @@ mod tests {
 
     #[test]
     fn a_lane_ends_half_a_lane_beside_the_road() {
+        let next = Road::PAPER.lane_centre_m(2);
         for (y_m, lane) in [
             (-3.67, None),
+            // The centre of a lane more, as it is and as a sum that is rounded.
+            (-3.66, None),
+            (-3.66 + 1e-12, None),
+            (-3.659, Some(0)),
             (-3.65, Some(0)),
             (1.84, Some(1)),
             (7.31, Some(1)),
+            (next - 0.001, Some(1)),
+            (next - 1e-12, None),
+            (next, None),
             (7.33, None),
             (f64::NAN, None),
         ] {
             assert_eq!(Road::PAPER.lane_at(y_m), lane, "{y_m} m");
         }
+    }
+
+    #[test]
+    fn beside_an_only_lane_whoever_is_within_half_a_lane_of_ego_is_in_its_lane() {
+        let width = Road::PAPER.lane_width_m;
+        let together = |lanes: u8, ego_y_m: f64, y_m: f64| {
+            let ego = EgoState {
+                x_m: 0.0,
+                y_m: ego_y_m,
+                speed_mps: 30.0,
+                length_m: 4.0,
+            };
+            let road = Road {
+                lanes,
+                ..Road::PAPER
+            };
+            road.is_in_lane_of(&ego, y_m)
+        };
+        for beside in [-width, width, 2.0 * width] {
+            assert!(together(1, beside, beside), "{beside}");
+            assert!(together(1, beside, beside + 0.4 * width), "{beside}");
+            assert!(!together(1, 0.0, beside), "{beside}");
+        }
+        // Of several lanes it is known where they are.
+        assert!(together(2, width, width) && together(2, 0.0, 0.0));
+        assert!(!together(2, 0.0, width) && !together(2, width, 0.0));
+        assert!(!together(2, 2.0 * width, 2.0 * width));
     }
 }

@@ -5,11 +5,11 @@ use crate::{
     differentiate::{fill_speeds, fill_speeds_of_others},
     error::IngestError,
     join_speeds::join_speeds,
-    lane_centres::into_lanes,
+    lane_centres::{LaneShape, into_lanes},
     lanes::{EgoPath, place},
     mapping::FrameKind,
     pair_rows,
-    plausible::{doubts, leave_out_impossible, on_the_road},
+    plausible::{doubts, in_the_only_lane, leave_out_impossible, on_the_road},
     quality::{Warning, WarningKind},
     raw::{EgoSamples, ObjectSample, RawDrive, Sightings},
     resample::{Grid, Row, grid, seconds, speeds},
@@ -110,14 +110,31 @@ fn on_the_target(
     }
     let lane_y_m = target.right_lane_centre_y_m;
     place(drive, target.frame, lane_y_m, max_gap_s);
+    warnings.extend(which_lane(path, target));
     into_lanes(path, drive, &target.road, target.lane_shape)?;
     if target.frame == FrameKind::Map && !target.own_lane_only {
         warnings.extend(on_the_road(path, &drive.ego, &target.road)?);
     }
     if target.own_lane_only {
         warnings.extend(keep_own_lane(path, drive, target.road.lane_width_m));
+        warnings.extend(in_the_only_lane(path, &drive.ego, &target.road));
     }
     Ok(warnings)
+}
+
+/// Says that ego's own way stands in for the right lane of a road of several, where nothing says where they lie.
+fn which_lane(path: &Path, target: &Target<'_>) -> Option<Warning> {
+    let lanes = target.road.lanes;
+    let is_known = target.frame == FrameKind::Map
+        || target.lane_shape != LaneShape::Even
+        || target.right_lane_centre_y_m != 0.0;
+    (lanes > 1 && !is_known).then(|| {
+        let what = format!(
+            "nothing says in which of the road's {lanes} lanes ego drives: its way stands in for the right lane. In the mapping, write \
+             `frame = \"map\"` with `right_lane_centre_y_m`, or `lanes_driven = true`"
+        );
+        Warning::new(path, WarningKind::Default, 1, what)
+    })
 }
 
 /// The even rows that ego's samples reach and at which somebody looked.
@@ -304,8 +321,9 @@ mod tests {
     }
 
     #[test]
-    fn ego_beside_the_road_is_refused_where_the_log_says_where_its_lanes_are() {
-        let refused = |frame, lanes| {
+    fn ego_beside_the_road_is_refused_where_lanes_are_known_and_told_of_an_only_one() {
+        // How often it is told, none where it is refused.
+        let told = |frame, lanes| {
             let settings = IngestSettings::default();
             let unknown = Target::mapped(&settings).unwrap();
             let road = Road {
@@ -320,13 +338,37 @@ mod tests {
             };
             let mut beside = drive(Vec::new());
             beside.ego.y_m.fill(40.0);
-            assemble(Path::new("log"), beside, &target).is_err()
+            let assembled = assemble(Path::new("log"), beside, &target);
+            let only = |w: &&Warning| w.what.contains("the road's only lane");
+            let (_, warnings) = assembled.ok()?;
+            Some(warnings.iter().find(only).map_or(0, |w| w.count))
         };
-        assert!(refused(FrameKind::Map, 3));
-        // Of one lane nothing but ego says where it is, and along ego's own path or line ego is never beside it.
-        assert!(!refused(FrameKind::Map, 1));
-        assert!(!refused(FrameKind::Path, 3));
-        assert!(!refused(FrameKind::Auto, 1));
+        assert_eq!(told(FrameKind::Map, 3), None);
+        // Of one lane nothing but ego says where it is, so that it is told; along ego's own path or line ego is never beside it.
+        assert_eq!(told(FrameKind::Map, 1), Some(100));
+        assert_eq!(told(FrameKind::Path, 3), Some(0));
+        assert_eq!(told(FrameKind::Auto, 1), Some(0));
+    }
+
+    #[test]
+    fn egos_way_stands_in_for_the_right_lane_only_where_nothing_says_where_lanes_lie() {
+        let said = |change: fn(&mut Target<'_>)| {
+            let settings = IngestSettings::default();
+            let mut target = Target::mapped(&settings).unwrap();
+            target.road.lanes = 2;
+            target.own_lane_only = false;
+            change(&mut target);
+            let (_, warnings) = assemble(Path::new("log"), drive(Vec::new()), &target).unwrap();
+            warnings.iter().any(|w| w.what.contains("road's 2 lanes"))
+        };
+        assert!(said(|_| ()));
+        assert!(said(|target| target.frame = FrameKind::Path));
+        assert!(!said(|target| target.frame = FrameKind::Map));
+        assert!(!said(|target| target.right_lane_centre_y_m = -3.66));
+        assert!(!said(
+            |target| target.lane_shape = LaneShape::Edges(&[-2.0, 2.0, 6.0])
+        ));
+        assert!(!said(|target| target.road.lanes = 1));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::{
     parquet::first_line,
     raw::table::{
         parse::{BYTE_ORDER_MARK, parse},
-        text::{self, Header, cells, flaw, separator_of},
+        text::{self, Header, cells, separator_of},
     },
 };
 use polars::prelude::{DataFrame, DataType};
@@ -28,9 +28,7 @@ pub struct Csv {
 /// A sentence that names the row of a quote that is never closed or of too many cells, or says what the bytes are instead of a table.
 pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
     let (text, header) = headed(bytes, separator)?;
-    if let Some(flaw) = flaw(text, &header) {
-        return Err(flaw.sentence(header.names.len()));
-    }
+    text::short_rows(text, &header).map_err(|flaw| flaw.sentence(header.names.len()))?;
     let frame = parse(text, &header, |_| DataType::String, None, false);
     Ok(Csv {
         frame: frame.map_err(|e| first_line(&e))?,
@@ -42,10 +40,12 @@ pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
 /// [`Csv::frame`].
 ///
 /// # Errors
-/// A sentence that says what the bytes are instead of a table.
+/// As [`read_csv`].
 pub fn short_rows(bytes: &[u8], separator: Option<u8>) -> Result<Vec<(usize, usize)>, String> {
     let (text, header) = headed(bytes, separator)?;
-    Ok(text::short_rows(text, &header))
+    let short = text::short_rows(text, &header);
+    let short = short.map_err(|flaw| flaw.sentence(header.names.len()))?;
+    Ok(short.iter().map(|row| (row.row, row.cells)).collect())
 }
 
 /// A text without its mark, and its header.

@@ -240,6 +240,13 @@ pub enum IngestError {
     },
 }
 
+/// Whether a cell is a number with a comma before its decimals.
+fn has_decimal_comma(cell: &str) -> bool {
+    let (whole, decimals) = cell.split_once(',').unwrap_or_default();
+    let is_number = || format!("{whole}.{decimals}").parse::<f64>().is_ok();
+    !whole.contains('.') && !decimals.is_empty() && is_number()
+}
+
 impl IngestError {
     /// What to try next, where we know it.
     pub fn suggestion(&self) -> Option<String> {
@@ -273,15 +280,23 @@ impl IngestError {
                 Some(nearest) => format!("did you mean `{nearest}`? correct it in the mapping"),
                 None => "correct the mapping, or give the one made for this table".to_owned(),
             },
+            Self::BadCell { found, .. } if has_decimal_comma(found) => {
+                "write `decimal_comma = true` in the mapping's `[table]` where a comma stands before the decimals".to_owned()
+            }
             Self::BadCell { .. } => {
                 "correct the cell or empty it: rows with an empty cell are left out and counted"
                     .to_owned()
             }
             Self::TooSparse { .. } => {
-                "the log is sampled too rarely for a drive; its channels are in `maveric inspect`".to_owned()
+                "the log is sampled too rarely for a drive; where its samples come evenly, `max_gap_s` of the mapping may be 1.5 times their distance"
+                    .to_owned()
             }
             Self::SeldomSeen { .. } => {
                 "record the others more often than that: between sightings further apart nobody knows whether the road is free"
+                    .to_owned()
+            }
+            Self::TooManyRows { .. } => {
+                "its times may be in another unit than `time` of `[table.units]` says, or times of day that begin anew at midnight: those need the date"
                     .to_owned()
             }
             Self::Implausible { .. } => {

@@ -14,7 +14,11 @@ pub(crate) const FASTEST_MPS: f64 = 90.0;
 /// Lengths of vehicles outside this are doubted, in m: a moped, a long truck.
 const LENGTHS_M: (f64, f64) = (1.5, 26.0);
 /// Slower than this a speed says little about units, in m/s.
-const MOVING_MPS: f64 = 2.0;
+pub(crate) const MOVING_MPS: f64 = 2.0;
+/// How long a position may stay as it is while ego drives, in s: some receivers give one a second.
+const HELD_S: f64 = 2.0;
+/// Steps that are longer by this than any car drives are jumps, in m: positions are known to some metres.
+const JUMP_M: f64 = 10.0;
 /// Samples that a comparison of speed and movement needs.
 const ENOUGH: usize = 20;
 /// Speeds over what positions change a second that belong together.
@@ -136,14 +140,11 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
     let mut doubts = Vec::new();
     let unit = WarningKind::Unit;
     let ego = &raw.ego;
-    // Of a sample and the next; none where ego stands or its speed is missing.
+    // Of a sample and the next; none where ego stands, does not move or its speed is missing.
     let ratio = |i: usize| {
-        let dt = ego.stamp_ns[i + 1].saturating_sub(ego.stamp_ns[i]) as f64 / 1e9;
+        let (dt, moved) = step(ego, i)?;
         let v = ego.speed_mps[i].abs();
-        let usable = v > MOVING_MPS && dt > 0.0 && dt < 1.0;
-        let (dx, dy) = (ego.x_m[i + 1] - ego.x_m[i], ego.y_m[i + 1] - ego.y_m[i]);
-        let moved = (dx * dx + dy * dy).sqrt();
-        (usable && moved > 0.0).then(|| v * dt / moved)
+        (v > MOVING_MPS && moved > 0.0).then(|| v * dt / moved)
     };
     let ratios = || (0..ego.len().saturating_sub(1)).filter_map(ratio);
     let (least, most) = LENGTHS_M;
@@ -169,14 +170,70 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
         let mut ratios: Vec<f64> = ratios().collect();
         let ratio = median(&mut ratios).unwrap_or(1.0);
         if !BORNE_OUT.contains(&ratio) {
+            // A thousandth is a unit too.
+            let ratio = if ratio < 0.1 {
+                format!("{ratio:.4}")
+            } else {
+                format!("{ratio:.2}")
+            };
             let what = format!(
-                "ego's speed is {ratio:.2} times what its positions change a second: do the units of time, length \
+                "ego's speed is {ratio} times what its positions change a second: do the units of time, length \
                  and speed belong together?"
             );
             report(&mut doubts, path, unit, count, &what);
         }
     }
+    doubts.extend(held(path, ego));
+    doubts.extend(jumps(path, ego));
     doubts
+}
+
+/// The time in s and the way in m from a sample to the next; none over longer than a position is held.
+fn step(ego: &EgoSamples, i: usize) -> Option<(f64, f64)> {
+    let dt = ego.stamp_ns[i + 1].saturating_sub(ego.stamp_ns[i]) as f64 / 1e9;
+    let (dx, dy) = (ego.x_m[i + 1] - ego.x_m[i], ego.y_m[i + 1] - ego.y_m[i]);
+    (dt > 0.0 && dt < HELD_S).then(|| (dt, (dx * dx + dy * dy).sqrt()))
+}
+
+/// Samples of ego at which it drives and stays where it is, for longer than a position is held.
+fn held(path: &Path, ego: &EgoSamples) -> Option<Warning> {
+    let is_held = |i: usize| {
+        ego.speed_mps[i].abs() > MOVING_MPS && step(ego, i).is_some_and(|(_, moved)| moved <= 0.0)
+    };
+    let held: Vec<usize> = (0..ego.len().saturating_sub(1))
+        .filter(|&i| is_held(i))
+        .collect();
+    let second = |i: usize| ego.stamp_ns[i] as f64 / 1e9;
+    let (mut count, mut spans) = (0, Vec::new());
+    for run in held.chunk_by(|a, b| a + 1 == *b) {
+        let span = (second(run[0]), second(run[run.len() - 1] + 1));
+        if span.1 - span.0 > HELD_S {
+            count += run.len();
+            spans.push(span);
+        }
+    }
+    let what = "ego's position stays the same although its speed is not 0: are the columns of its position right?";
+    (count > 0).then(|| Warning::new(path, WarningKind::Unit, count, what).with_spans(spans))
+}
+
+/// Steps of ego from one place to another that no car reaches in the time since it came to the first.
+fn jumps(path: &Path, ego: &EgoSamples) -> Option<Warning> {
+    let second = |i: usize| ego.stamp_ns[i] as f64 / 1e9;
+    let (mut jumps, mut came) = (Vec::new(), 0);
+    for i in 0..ego.len().saturating_sub(1) {
+        let moved = step(ego, i).map(|(_, moved)| moved);
+        let since_s = second(i + 1) - second(came);
+        if moved.is_some_and(|moved| moved > FASTEST_MPS * since_s + JUMP_M) {
+            jumps.push(i);
+        }
+        if moved.is_none_or(|moved| moved > 0.0) {
+            came = i + 1;
+        }
+    }
+    let spans = jumps.iter().map(|&i| (second(i), second(i + 1)));
+    let what = "ego's position jumps further than a car drives in that time: what is measured across the jump is not driven";
+    (!jumps.is_empty())
+        .then(|| Warning::new(path, WarningKind::Unit, jumps.len(), what).with_spans(spans))
 }
 
 /// Doubts about ego's place across a road whose lanes are known: further than half a lane beside all of them.
@@ -188,20 +245,37 @@ pub(crate) fn on_the_road(
     ego: &EgoSamples,
     road: &Road,
 ) -> Result<Option<Warning>, IngestError> {
-    let places = ego.stamp_ns.iter().zip(&ego.y_m);
-    let off: Vec<f64> = places
-        .filter(|(_, y)| road.lane_at(**y).is_none())
-        .map(|(&ns, _)| ns as f64 / 1e9)
-        .collect();
+    let off = off_the_road(ego, road);
     let what = format!(
-        "ego is beside the road of {} lanes of {} m: is `right_lane_centre_y_m` right, or, of numbered lanes, `lanes_from` and `first_lane`?",
+        "ego is beside the road of {} lanes of {} m: are `lanes` and `right_lane_centre_y_m` right, and, of numbered lanes, `lanes_from` and `first_lane`?",
         road.lanes, road.lane_width_m
     );
     refuse_many(path, off.len(), ego.len(), &what)?;
-    Ok((!off.is_empty()).then(|| {
-        let warning = Warning::new(path, WarningKind::Unit, off.len(), what);
-        warning.with_spans(off.iter().map(|&t| (t, t)))
-    }))
+    Ok(at_times(path, WarningKind::Unit, &off, &what))
+}
+
+/// Says that ego leaves the only lane that is known: by another lane's number, a lane change, or a bend.
+pub(crate) fn in_the_only_lane(path: &Path, ego: &EgoSamples, road: &Road) -> Option<Warning> {
+    let what = "ego is a lane or more beside the road's only lane: whoever is ahead of it there counts as its leader, and no lane change \
+                is seen. If it changed lanes or its lane has another number, give `lanes` and, of numbered lanes, `first_lane`";
+    let off = off_the_road(ego, road);
+    at_times(path, WarningKind::OtherLane, &off, what)
+}
+
+/// Seconds at which ego is in none of the road's lanes.
+fn off_the_road(ego: &EgoSamples, road: &Road) -> Vec<f64> {
+    let places = ego.stamp_ns.iter().zip(&ego.y_m);
+    places
+        .filter(|(_, y)| road.lane_at(**y).is_none())
+        .map(|(&ns, _)| ns as f64 / 1e9)
+        .collect()
+}
+
+fn at_times(path: &Path, kind: WarningKind, times_s: &[f64], what: &str) -> Option<Warning> {
+    (!times_s.is_empty()).then(|| {
+        let warning = Warning::new(path, kind, times_s.len(), what);
+        warning.with_spans(times_s.iter().map(|&t| (t, t)))
+    })
 }
 
 #[cfg(test)]
@@ -233,12 +307,72 @@ mod tests {
         for (kmh, times) in [(72.0, "3.60"), (20.0 / 3.6, "0.28")] {
             assert!(of(kmh)[0].what.contains(times));
         }
+        let mut in_mm = driving(20.0);
+        for x in &mut in_mm.ego.x_m {
+            *x *= 1000.0;
+        }
+        let doubt = &doubts(Path::new("t"), &in_mm)[0].what;
+        assert!(doubt.contains("0.0010 times"), "{doubt}");
         assert!(of(-20.0)[0].what.contains("backwards"));
         let refused = leave_out_impossible(Path::new("t"), &mut driving(1e308)).unwrap_err();
         assert!(
             refused.to_string().contains("in 100 of 100 samples"),
             "{refused}"
         );
+    }
+
+    #[test]
+    fn a_position_that_stays_for_long_or_jumps_is_told_and_that_of_a_receiver_is_not() {
+        let of = |x_m: &dyn Fn(usize) -> f64| {
+            let mut raw = driving(20.0);
+            raw.ego.x_m = (0..100).map(x_m).collect();
+            let doubts = doubts(Path::new("t"), &raw).into_iter();
+            let doubts = doubts.map(|w| (w.what, w.count, w.spans_s.len()));
+            doubts.collect::<Vec<_>>()
+        };
+        let still = of(&|_| 5.0);
+        assert!(still[0].0.contains("stays the same"), "{still:?}");
+        assert_eq!((still.len(), still[0].1, still[0].2), (1, 99, 1));
+        // Three seconds of ten, and half a second.
+        let held = |until: usize| {
+            of(&|i| {
+                let held = (20..=until).contains(&i);
+                2.0 * if held { 20.0 } else { i as f64 }
+            })
+        };
+        let frozen = held(50);
+        assert_eq!((frozen.len(), frozen[0].1, frozen[0].2), (1, 30, 1));
+        assert_eq!(held(25), []);
+        // A receiver's position a second: between two of them ego does not move.
+        assert_eq!(of(&|i| 2.0 * (i - i % 10) as f64), []);
+        let jump = |by_m: f64| of(&|i| 2.0 * i as f64 + if i < 50 { 0.0 } else { by_m });
+        let far = jump(500.0);
+        assert!(far[0].0.contains("jumps further"), "{far:?}");
+        assert_eq!((far.len(), far[0].1), (1, 1));
+        assert_eq!(jump(15.0), []);
+        let mut parked = driving(0.0);
+        parked.ego.x_m.fill(5.0);
+        assert_eq!(doubts(Path::new("t"), &parked), []);
+    }
+
+    #[test]
+    fn samples_of_one_a_second_are_doubted_as_others_are() {
+        let of = |x_m: &dyn Fn(usize) -> f64| {
+            let mut raw = driving(20.0);
+            for (second, stamp_ns) in (0..).zip(&mut raw.ego.stamp_ns) {
+                *stamp_ns = second * 1_000_000_000;
+            }
+            raw.ego.x_m = (0..100).map(x_m).collect();
+            let doubts = doubts(Path::new("t"), &raw).into_iter();
+            doubts.map(|w| w.what).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&|i| 20.0 * i as f64), Vec::<String>::new());
+        let in_feet = of(&|i| 20.0 * i as f64 / 0.3048);
+        assert!(in_feet[0].contains("0.30 times"), "{in_feet:?}");
+        let still = of(&|_| 5.0);
+        assert!(still[0].contains("stays the same"), "{still:?}");
+        let far = of(&|i| 20.0 * i as f64 + if i < 50 { 0.0 } else { 500.0 });
+        assert!(far[0].contains("jumps further"), "{far:?}");
     }
 
     #[test]

@@ -36,7 +36,7 @@ pub enum WarningKind {
     Choice,
     /// The others, none of whose samples falls on a row of ego.
     NoOverlap,
-    /// Vehicles aside of the only lane that is known.
+    /// Vehicles aside of the only lane that is known, or ego aside of it.
     OtherLane,
     /// Values that can hardly be in the unit that was declared.
     Unit,
@@ -59,6 +59,9 @@ pub struct Warning {
     pub count: usize,
     /// Where, from and to, in s since the log's first message; at most [`Warning::MOST_SPANS`] of them.
     pub spans_s: Vec<(f64, f64)>,
+    /// Whether it is about a whole file of several drives, the first of which has it.
+    #[serde(skip)]
+    pub of_file: bool,
 }
 
 impl Warning {
@@ -77,6 +80,7 @@ impl Warning {
             what: what.into(),
             count,
             spans_s: Vec::new(),
+            of_file: false,
         }
     }
 

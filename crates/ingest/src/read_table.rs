@@ -35,29 +35,33 @@ pub(crate) fn read_table(
         files.push((part.clone(), table::take(part, &mut sources)?));
     }
     let from_columns = captures_from_columns(path, &files, mapping, columns)?;
-    let log = TableLog {
+    let mut log = TableLog {
         path,
         files,
         mapping: columns,
         road: &mapped,
         max_gap_s: settings.max_gap_s()?,
+        warnings: Vec::new(),
     };
-    let drives = table::read(log, &mut sources)?;
-    let headed = match &columns.layout {
-        Layout::Long(long) => Some(long.columns.heading.is_some()),
+    let drives = table::read(&mut log, &mut sources)?;
+    let long = match &columns.layout {
+        Layout::Long(long) => Some(&long.columns),
         _ => None,
     };
-    let in_world = headed.unwrap_or(false);
+    let rows = Rows {
+        headed: long.is_some_and(|c| c.heading.is_some()),
+        leader_named: long.is_some_and(|c| c.lead_id.is_some()),
+    };
     let mut left_out = LeftOut::default();
     let mut logs = Vec::new();
     for drive in drives {
-        match ingested(path, drive, &from_columns, settings, in_world) {
+        match ingested(path, drive, &from_columns, settings, rows) {
             Ok(drive) => logs.push(Ingested {
                 sources: sources.clone(),
                 ..drive
             }),
             // One of many is left out by itself.
-            Err(error) if headed.is_some() => left_out.take(error)?,
+            Err(error) if long.is_some() => left_out.take(error)?,
             Err(error) => return Err(error),
         }
     }
@@ -66,17 +70,30 @@ pub(crate) fn read_table(
         let nobody = || IngestError::bad_table(path, what);
         return Err(left_out.first.unwrap_or_else(nobody));
     };
-    first.warnings.extend(left_out.warnings(path));
+    let of_file = log.warnings.into_iter().chain(left_out.warnings(path));
+    first.warnings.extend(of_file.map(|warning| Warning {
+        of_file: true,
+        ..warning
+    }));
     Ok(logs)
 }
 
-/// Makes the recording of one drive of a table; `headed` where its rows say headings in the world.
+/// What rows of a table say.
+#[derive(Clone, Copy)]
+struct Rows {
+    /// Headings, in the world.
+    headed: bool,
+    /// Who is ahead, by its name.
+    leader_named: bool,
+}
+
+/// Makes the recording of one drive of a table.
 fn ingested(
     path: &Path,
     drive: TableDrive,
     from_columns: &[(String, String)],
     settings: &IngestSettings,
-    headed: bool,
+    rows: Rows,
 ) -> Result<Ingested, IngestError> {
     let mapping = settings.mapping.as_ref();
     let mapped = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
@@ -94,10 +111,14 @@ fn ingested(
         road: road.road(),
         right_lane_centre_y_m: road.right_lane_centre_y_m,
         // Only positions in the world need to be laid along the road.
-        frame: if headed { world.frame } else { FrameKind::Map },
+        frame: if rows.headed {
+            world.frame
+        } else {
+            FrameKind::Map
+        },
         lane_steps,
-        // What is in ego's lane is known by name there.
-        own_lane_only: road.lanes == 1 && !headed,
+        // In a bend a leader that is known by its name is not where ego's lane seems to be.
+        own_lane_only: road.lanes == 1 && !(rows.headed && rows.leader_named),
         ..world
     };
     captures.extend_from_slice(from_columns);

@@ -14,7 +14,9 @@ fn tone(verdict: Verdict) -> Tone {
         Verdict::Shown => Tone::Good,
         Verdict::NotShown => Tone::Open,
         Verdict::Fails => Tone::Bad,
-        Verdict::NotAsked | Verdict::TooFew | Verdict::NotTested => Tone::Silent,
+        Verdict::NotAsked | Verdict::TooFew | Verdict::NotTested | Verdict::NotTestable => {
+            Tone::Silent
+        }
     }
 }
 
@@ -134,10 +136,19 @@ mod tests {
 
     #[test]
     fn every_verdict_has_its_own_words_and_silence_looks_like_nothing_else() {
-        use Verdict::{Fails, NotAsked, NotShown, NotTested, Shown, TooFew};
+        use Verdict::{Fails, NotAsked, NotShown, NotTestable, NotTested, Shown, TooFew};
         let text = "[nearer]\nquestion = \"Is {{ it }}?\"\n";
         let texts = Texts::read("nearer.toml", text).unwrap();
-        let cards = [Shown, NotShown, Fails, NotAsked, TooFew, NotTested].map(|verdict| {
+        let verdicts = [
+            Shown,
+            NotShown,
+            Fails,
+            NotAsked,
+            TooFew,
+            NotTested,
+            NotTestable,
+        ];
+        let cards = verdicts.map(|verdict| {
             let finding = Finding {
                 verdict,
                 ..Finding::every(Question::Nearer, Vec::new())
@@ -153,7 +164,8 @@ mod tests {
                 "fails",
                 "not asked",
                 "too few to say",
-                "not tested"
+                "not tested",
+                "not testable"
             ]
         );
         assert_eq!(cards[0].question, "Is it?");
@@ -164,6 +176,7 @@ mod tests {
                 Tone::Good,
                 Tone::Open,
                 Tone::Bad,
+                Tone::Silent,
                 Tone::Silent,
                 Tone::Silent,
                 Tone::Silent,

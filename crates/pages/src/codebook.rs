@@ -4,7 +4,7 @@ use crate::texts::{document, value};
 use maveric_domain::{
     Design, Scale,
     design::Sign,
-    survey::{Item, ItemWords},
+    survey::{Item, ItemWords, Norms},
 };
 use maveric_report::ReportError;
 use minijinja::{Value, context};
@@ -46,6 +46,22 @@ pub fn named_answers(item: &Item, words: &ItemWords) -> String {
     named.join("; ")
 }
 
+/// What publications say of a subscale's scores: by what was chosen nobody's scores are to be judged.
+fn published(norms: Option<&Norms>) -> Value {
+    let scores = norms.filter(|n| n.is_published());
+    let alpha = norms.filter(|n| n.is_alpha_published());
+    let of_alpha = alpha.and_then(|n| n.alpha_source.as_ref());
+    let of_alpha = of_alpha.map(|source| format!("alpha: {source}"));
+    let of_scores = scores.map(|n| n.source.clone());
+    let sources: Vec<String> = of_scores.into_iter().chain(of_alpha).collect();
+    context! {
+        mean => scores.map(|n| n.mean),
+        sd => scores.map(|n| n.sd),
+        alpha => alpha.map(|n| n.alpha),
+        source => sources.join("; "),
+    }
+}
+
 /// A scale with what follows from its items.
 fn described(scale: &Scale) -> Value {
     let subscales = scale.subscales.iter().map(|subscale| {
@@ -57,7 +73,8 @@ fn described(scale: &Scale) -> Value {
         let rounded = |score: f64| (score * 1e9).round() / 1e9;
         let (low, high) = scale.score_range(subscale);
         let (low, high) = (rounded(low), rounded(high));
-        context! { reversed, low, high, items, ..value(subscale) }
+        let published = published(subscale.norms.as_ref());
+        context! { reversed, low, high, items, published, ..value(subscale) }
     });
     let worded = scale.wording.items.iter().zip(&scale.items).enumerate();
     let worded = worded.map(|(place, (words, item))| {
@@ -78,6 +95,8 @@ fn described(scale: &Scale) -> Value {
         first => scale.column_of(1),
         last => scale.column_of(scale.count()),
         subscales => subscales.collect::<Vec<Value>>(),
+        published => scale.subscales.iter().filter_map(|s| s.norms.as_ref()).any(|n| n.is_published() || n.is_alpha_published()),
+        published_correlations => scale.correlations.iter().filter(|c| c.source != Norms::CHOSEN).map(value).collect::<Vec<Value>>(),
         ..value(scale)
     }
 }
@@ -85,6 +104,31 @@ fn described(scale: &Scale) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_chosen_for_made_up_people_is_no_norm() {
+        let text = |source: &str, alpha: &str| {
+            let scale = format!(
+                "id = \"calm\"\ntitle = \"Calm\"\nreference = \"R\"\nitems = 1\nmin = 1\nmax = 7\nscoring = \"mean\"\n\
+                 [[subscales]]\nid = \"calm\"\ntitle = \"Calm\"\nitems = [1]\nnorms = {{ mean = 4.3, sd = 0.9, alpha = 0.87, source = \"{source}\"{alpha} }}\n"
+            );
+            codebook(&[Scale::from_toml(&scale).unwrap()], None).unwrap()
+        };
+        let chosen = text("chosen", "");
+        assert!(
+            !chosen.contains("4.3")
+                && !chosen.contains("0.87")
+                && chosen.contains("| reversed | range |\n"),
+            "{chosen}"
+        );
+        let alpha = text("chosen", ", alpha_source = \"Houston\"");
+        assert!(
+            alpha.contains(" |  |  | 0.87 | alpha: Houston |\n"),
+            "{alpha}"
+        );
+        let all = text("Houston", "");
+        assert!(all.contains(" | 4.3 | 0.9 | 0.87 | Houston |\n"), "{all}");
+    }
 
     #[test]
     fn a_wording_is_text_and_neither_mark_up_nor_a_cell_of_its_own() {

@@ -24,6 +24,9 @@ pub(crate) enum Block {
 /// The texts of a manuscript.
 #[derive(Debug, Default)]
 pub(crate) struct Manuscript {
+    /// Of the study, plain.
+    pub(crate) title: String,
+    pub(crate) authors: Vec<String>,
     pub(crate) methods: Vec<Block>,
     pub(crate) results: Vec<Block>,
     /// What the methods cite.
@@ -55,7 +58,10 @@ impl Manuscript {
                 (in_latex(&self.methods) + &cited).into_bytes(),
             ),
             file("methods.md", in_markdown(&method).into_bytes()),
-            file("manuscript.docx", docx::document(&whole, &tables, &listed)?),
+            file(
+                "manuscript.docx",
+                docx::document((&self.title, &self.authors), &whole, &tables, &listed)?,
+            ),
             file(
                 "references.bib",
                 references::bib(&self.references).into_bytes(),

@@ -109,6 +109,12 @@ impl<'a> StudyPage<'a> {
         self.texts.text("subtitle")
     }
 
+    /// Whether any condition is compared with another, or with the baseline.
+    fn compares(&self) -> bool {
+        let mut panels = self.analysis.panels.iter();
+        panels.any(|panel| !panel.contrasts.is_empty())
+    }
+
     /// The lines that a run ends with.
     pub fn lines(&self) -> Result<Vec<String>, ReportError> {
         let a = self.analysis;
@@ -128,8 +134,7 @@ impl<'a> StudyPage<'a> {
             }
         }
         for panel in &a.panels {
-            let values =
-                context! { title => titled(panel), test => omnibus(self.design, panel, false) };
+            let values = context! { title => titled(panel), over => words::over(self.design, panel), test => omnibus(self.design, panel, false) };
             lines.push(self.texts.with(&values).text("panel")?);
         }
         Ok(lines)

@@ -1,6 +1,9 @@
 //! Phrases that pages share: lists, shares, intervals, and tests as APA writes them.
 
-use maveric_analysis::{Contrast, ContrastTest, Correlation, OtherChoice, Panel, PrimaryOutcome};
+use maveric_analysis::{
+    Analysis, Contrast, ContrastTest, Correlation, Described, OtherChoice, Panel, PrimaryOutcome,
+    Verdict,
+};
 use maveric_domain::{ConditionId, Design, ScoreRange, design::DeclaredTest};
 pub use maveric_report::markup::capital;
 use maveric_report::{
@@ -8,7 +11,8 @@ use maveric_report::{
     claims::{Claim, DfSource, Quantity},
     markup,
 };
-use maveric_stats::{Adjustment, PERIOD, apa::Statements};
+use maveric_stats::{Adjustment, ByDesign, PERIOD, apa::Statements};
+use minijinja::{Value, context};
 
 /// A title within a sentence: its first letter small, unless it is an abbreviation's (`NASA-TLX`).
 pub fn small(title: &str) -> String {
@@ -31,12 +35,43 @@ pub(crate) fn closed_by(outcome: &PrimaryOutcome, all: &[PrimaryOutcome]) -> Opt
     Some(known.map_or_else(|| id.clone(), |o| o.title.clone()))
 }
 
+/// What that one came to, in words that follow its title.
+pub(crate) fn closed_as(outcome: &PrimaryOutcome, all: &[PrimaryOutcome]) -> Option<&'static str> {
+    let id = outcome.closed_by.as_ref()?;
+    let closed = all.iter().find(|o| o.outcome == *id);
+    Some(match closed.map(|o| o.verdict) {
+        Some(Verdict::NotTestable) => "cannot be tested",
+        Some(Verdict::TooFew | Verdict::NotAsked) => "has too few people",
+        _ => "is not below .05",
+    })
+}
+
 /// A quantity with its unit, where it has one.
 pub fn with_unit(title: &str, unit: &str) -> String {
     if unit.is_empty() {
         title.to_owned()
     } else {
         format!("{title} ({unit})")
+    }
+}
+
+/// Decimals of numbers in the unit of an outcome, by how much people differ within conditions.
+pub(crate) fn outcome_decimals(described: &[Described], outcome: &str) -> usize {
+    let of_outcome = described.iter().filter(|d| d.outcome == outcome);
+    // A condition in which nobody differs says nothing of how much people do.
+    let variances = of_outcome.filter_map(|d| Some(d.sd? * d.sd?));
+    let variances: Vec<f64> = variances.filter(|variance| *variance > 0.0).collect();
+    let variance = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+    apa::decimals(variance.sqrt())
+}
+
+/// How texts write numbers in the unit of an outcome: with so many `decimals`, of what was measured with the unit that it is `measured_in`.
+pub(crate) fn in_unit_of(analysis: &Analysis, outcome: &str) -> Value {
+    let mut panels = analysis.panels.iter();
+    let measured = panels.find(|p| p.outcome == outcome && p.measured);
+    context! {
+        decimals => outcome_decimals(&analysis.descriptives, outcome),
+        measured_in => measured.map_or("", |panel| panel.unit.as_str()),
     }
 }
 
@@ -136,11 +171,37 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
         })
         .collect();
     match (&statements[..], short || effects.len() == 1) {
-        ([], _) => "no test statistic: see the reasons in the analysis".to_owned(),
+        ([], _) => {
+            let why = why_undefined(found).filter(|_| !short);
+            let why = why.map_or_else(String::new, |why| format!(": {}", markup::literal(why)));
+            format!("no test statistic{why}")
+        }
         ([first, ..], true) if effects.len() == 1 => first.clone(),
         ([.., last], true) => last.clone(),
         (statements, false) => statements.join("; "),
     }
+}
+
+/// What the test of a panel is over: the conditions, of one condition the factors that divide people.
+pub(crate) fn over(design: &Design, panel: &Panel) -> String {
+    let factors = design.factors().iter();
+    let factors: Vec<String> = factors.map(|f| design.factor_label(&f.name)).collect();
+    if panel.conditions.len() > 1 || factors.is_empty() {
+        return "the conditions".to_owned();
+    }
+    factors.join(" × ")
+}
+
+/// Why numbers of a test do not exist, by the first of its reasons.
+fn why_undefined(found: &ByDesign) -> Option<&str> {
+    let undefined = match found {
+        ByDesign::Factorial(chosen) => &chosen.found.anova.undefined,
+        ByDesign::Groups(chosen) => &chosen.found.undefined,
+        ByDesign::Mixed(chosen) => &chosen.found.model.undefined,
+        ByDesign::Ordinal(chosen) => &chosen.found.model.undefined,
+        _ => return None,
+    };
+    undefined.iter().next().map(|(_, why)| why)
 }
 
 /// An effect of several factors by the labels of its factors: `City × Condition`.
@@ -285,8 +346,113 @@ pub fn of_group(panel: &Panel) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{correlation_of_claim, counted};
+    use super::{
+        ByDesign, Described, closed_as, closed_by, correlation_of_claim, counted, outcome_decimals,
+        why_undefined,
+    };
+    use maveric_analysis::{PrimaryOutcome, Verdict};
+    use maveric_domain::design::DeclaredTest;
     use maveric_report::claims::load;
+    use maveric_stats::{Chosen, ChosenTest, Named, OrdinalFinding, ordinal};
+
+    #[test]
+    fn why_there_is_no_number_is_what_the_model_says_of_it() {
+        let others = [2, 3, 1, 2, 4, 3, 2, 2, 3, 4, 1, 3, 2, 1, 3, 2];
+        let said = |last: [i32; 8]| {
+            let people: Vec<String> = (0..24).map(|i| (i / 3).to_string()).collect();
+            let rides: Vec<String> = (0..24)
+                .map(|i| ["calm", "normal", "sporty"][i % 3].to_owned())
+                .collect();
+            let answer = |i: usize| match i % 3 {
+                2 => last[i / 3],
+                ride => others[2 * (i / 3) + ride],
+            };
+            let answers: Vec<Option<f64>> = (0..24).map(|i| Some(f64::from(answer(i)))).collect();
+            let found = OrdinalFinding {
+                model: ordinal(&people, &rides, &answers).unwrap(),
+                small_sample: None,
+                period: None,
+                contrast: Named::default(),
+                ratio: Named::default(),
+                beside: None,
+            };
+            let found = ByDesign::Ordinal(Box::new(Chosen {
+                chosen: ChosenTest::Ordinal,
+                reasons: Vec::new(),
+                checks: Vec::new(),
+                found,
+            }));
+            why_undefined(&found).map(str::to_owned)
+        };
+        let extreme = said([1; 8]).unwrap();
+        let why = "everybody gives the same extreme answer in this condition";
+        assert!(extreme.starts_with(why), "{extreme}");
+        let spread = said([1, 2, 3, 2, 1, 3, 4, 2]);
+        assert!(spread.is_none_or(|spread| !spread.contains("extreme")));
+    }
+
+    #[test]
+    fn a_share_of_a_hundredth_has_more_decimals_than_a_speed_and_a_constant_has_two() {
+        let row = |outcome: &str, sd: f64| Described {
+            outcome: outcome.to_owned(),
+            title: String::new(),
+            unit: String::new(),
+            condition: "calm".parse().unwrap(),
+            n: 12,
+            mean: None,
+            sd: Some(sd),
+            median: None,
+        };
+        let rows = [
+            row("offroad", 0.004),
+            row("offroad", 0.006),
+            row("speed", 9.8),
+            row("same", 0.0),
+            row("met", 0.0),
+            row("met", 0.0),
+            row("met", 0.0),
+            row("met", 0.204),
+        ];
+        let outcomes = ["offroad", "speed", "same", "met", "other"];
+        assert_eq!(
+            outcomes.map(|o| outcome_decimals(&rows, o)),
+            [4, 2, 2, 2, 2]
+        );
+    }
+
+    #[test]
+    fn what_closed_the_gate_is_told_as_what_it_came_to() {
+        let outcome = |id: &str, closed_by: Option<&str>, verdict| PrimaryOutcome {
+            outcome: id.to_owned(),
+            title: id.to_uppercase(),
+            unit: String::new(),
+            first: "calm".parse().unwrap(),
+            second: "sporty".parse().unwrap(),
+            test: DeclaredTest::Ordinal,
+            n: 24,
+            closed_by: closed_by.map(str::to_owned),
+            mean_difference: None,
+            interval: None,
+            odds: None,
+            unbounded: false,
+            p: None,
+            verdict,
+            why_not: None,
+        };
+        for (verdict, said) in [
+            (Verdict::NotTestable, "cannot be tested"),
+            (Verdict::NotShown, "is not below .05"),
+            (Verdict::TooFew, "has too few people"),
+        ] {
+            let all = [
+                outcome("a", None, verdict),
+                outcome("b", Some("a"), Verdict::NotTested),
+            ];
+            assert_eq!(closed_by(&all[1], &all).as_deref(), Some("A"));
+            assert_eq!(closed_as(&all[1], &all), Some(said));
+            assert_eq!(closed_as(&all[0], &all), None);
+        }
+    }
 
     #[test]
     fn counts_that_differ_are_a_range_and_none_is_nothing() {

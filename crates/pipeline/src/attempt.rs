@@ -5,7 +5,7 @@ mod outputs;
 use path_slash::PathExt as _;
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::process::ExitStatus;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -48,6 +48,8 @@ pub(crate) enum Attempt {
     },
     Failed(Failure),
     Interrupted,
+    /// It was handed in and taken back with what it waited for.
+    TakenBack,
 }
 
 /// How one try of a stage ended.
@@ -104,7 +106,11 @@ impl Workshop<'_> {
         let mut retry = 0;
         loop {
             self.begin(stage)?;
-            let (cause, last_lines, seconds) = match self.try_once(stage, &now, tell)? {
+            let tried = self.try_once(stage, &now, tell);
+            if matches!(tried, Err(PipelineError::Interrupted)) {
+                self.leave(stage)?; // while what it made was read
+            }
+            let (cause, last_lines, seconds) = match tried? {
                 Tried::Ended(attempt) => return Ok(attempt),
                 Tried::Failed {
                     cause,
@@ -113,7 +119,11 @@ impl Workshop<'_> {
                 } => (cause, last_lines, seconds),
             };
             self.leave(stage)?;
-            if retry == stage.retries || matches!(cause, FailureCause::NotStarted { .. }) {
+            let is_final = matches!(
+                cause,
+                FailureCause::NotStarted { .. } | FailureCause::InputsChanged { .. }
+            );
+            if retry == stage.retries || is_final {
                 let failure = self.failure(stage, &now.files, cause, last_lines, Some(seconds));
                 return Ok(Attempt::Failed(failure));
             }
@@ -149,7 +159,12 @@ impl Workshop<'_> {
             Ended::NotStarted(error) => {
                 let cause = FailureCause::NotStarted {
                     program: self.place.program_of(stage).to_slash_lossy().into_owned(),
-                    message: error.to_string(),
+                    message: match error.kind() {
+                        ErrorKind::ArgumentListTooLong if stage.share.is_some() => {
+                            format!("{error}: a shard has too many files, so use more `shards`")
+                        }
+                        _ => error.to_string(),
+                    },
                 };
                 failed(cause, Vec::new())
             }
@@ -312,11 +327,12 @@ impl Workshop<'_> {
         last_lines: Vec<String>,
         seconds: Option<f64>,
     ) -> Failure {
+        let repeat = (!cause.is_before_start()).then(|| self.command_line(stage, files));
         Failure {
             stage: stage.name.clone(),
             cause,
             last_lines,
-            repeat: self.command_line(stage, files),
+            repeat,
             log: seconds.map(|_| self.place.log_of(&stage.name)),
             seconds,
         }

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::content::{Hasher, add_texts, hash_of};
-use crate::store::{Store, is_executable, set_mode};
+use crate::store::{Store, is_executable, make_executable};
 use crate::{PipelineError, Stage};
 
 /// The format of the directory.
@@ -172,7 +172,9 @@ impl Cache {
         if hash.map_err(PipelineError::io("read", target))? != file.content {
             return Ok(false);
         }
-        set_mode(target, file.executable).map_err(PipelineError::io("write", target))?;
+        if file.executable {
+            make_executable(target).map_err(PipelineError::io("write", target))?;
+        }
         Ok(true)
     }
 

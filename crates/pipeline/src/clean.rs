@@ -16,7 +16,7 @@ use crate::{Graph, Pipeline, PipelineError, Place};
 pub struct Cleaned {
     /// Outputs, relative to the root.
     pub removed: Vec<String>,
-    /// Outputs that are not as their stages had left them, and so stay.
+    /// Outputs that are not as their stages had left them, or that a run was cut off in, and so stay.
     pub kept: Vec<String>,
     /// Files in outputs that no run made, and that so stay.
     pub foreign: Vec<String>,
@@ -45,16 +45,17 @@ pub fn clean(
         targets => graph.named(targets)?,
     };
     let lock = RunLock::acquire(place.lock())?;
-    crate::cluster::refuse_while_jobs_run(place)?;
-    let loaded = ledger::load(&place.ledger, Some(pipeline.name()))?;
+    let loaded = ledger::load_at(place, pipeline.name())?;
     let mut ledger = OpenLedger::new(place.ledger.clone(), loaded)?;
+    let hasher = Hasher::of_place(place);
+    crate::cluster::refuse_while_jobs_run(place, &mut ledger, &hasher)?;
     let mut keys: BTreeSet<String> = named.iter().map(|&i| graph.stage(i).key()).collect();
     if targets.is_empty() {
         keys.extend(gone(pipeline, ledger.get()));
     }
     let cleaning = Cleaning {
         place,
-        hasher: Hasher::of_place(place),
+        hasher,
         force,
         dry_run,
     };
@@ -119,7 +120,7 @@ impl Cleaning<'_> {
             };
             let record = ledger.run.get(key).and_then(|r| r.outputs.get(output));
             let files = match made {
-                Made::All | Made::If(_) => names,
+                Made::Open(_) | Made::If(_) => names,
                 Made::Files(files) => {
                     let is_foreign = |name: &&String| files.binary_search(name).is_err();
                     let foreign: Vec<String> = names.iter().filter(is_foreign).cloned().collect();
@@ -132,7 +133,13 @@ impl Cleaning<'_> {
                 Some(content) => self.content_of(output, made)?.as_ref() != Some(content),
                 None => false,
             };
-            if edited && !self.force {
+            // Of a folder in the making nobody knows what in it is the stage's.
+            let is_known = |name: &String| match made {
+                Made::Open(known) => name.is_empty() || known.binary_search(name).is_ok(),
+                Made::Files(_) | Made::If(_) => true,
+            };
+            let unsure = !files.iter().all(is_known);
+            if (edited || unsure) && !self.force {
                 cleared = false;
                 cleaned.kept.push(output.to_owned());
                 continue;

@@ -6,17 +6,15 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
 use rayon::prelude::*;
 
 use crate::atomic_write::{Durability, atomic_write_bytes};
+use crate::look::{Look, SECOND_NS};
 use crate::shares::Shares;
 use crate::{PipelineError, Place};
 
-/// File systems stamp times in ticks of up to 10 ms: a file changed this lately could
-/// change again without looking changed, so its hash is not remembered.
-const SETTLED_AFTER_NS: i64 = 25_000_000;
 /// How much of a file is read at a time.
 const BLOCK: u64 = 4 << 20;
 /// From this size on, a file is hashed on several threads.
@@ -24,16 +22,6 @@ const WORTH_THREADS: usize = 256 << 10;
 
 /// The flag of work that nobody interrupts.
 static NEVER: AtomicBool = AtomicBool::new(false);
-
-/// What tells an untouched file: if all of it is the same, the content is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-struct Look {
-    size: u64,
-    modified_ns: i64,
-    /// Of the file's record: also moves when a copy keeps the time of its original.
-    changed_ns: i64,
-    inode: u64,
-}
 
 type Cache = BTreeMap<String, (Look, String)>;
 
@@ -93,10 +81,30 @@ impl<'a> Hasher<'a> {
 
     /// The content of a file (64 hexadecimal digits) or a directory (the same, and the
     /// number of files): names and contents of all files in it. `None` if nothing is there.
+    ///
+    /// A link to a directory in it counts by where it points: nothing behind it is an output.
     pub(crate) fn content(&self, path: &str) -> Result<Option<String>, PipelineError> {
+        self.content_by(path, |folder| list(folder, "", None))
+    }
+
+    /// The same of an input, which goes on behind links to directories: a stage reads what is there.
+    pub(crate) fn input(&self, path: &str) -> Result<Option<String>, PipelineError> {
+        self.content_by(path, |folder| {
+            let mut files = list(folder, "", Some(&[]))?;
+            // What Python keeps of the scripts that it ran is no source.
+            files.retain(|file| !file.within.split('/').any(|part| part == "__pycache__"));
+            Ok(files)
+        })
+    }
+
+    fn content_by(
+        &self,
+        path: &str,
+        list: impl FnOnce(&Path) -> Result<Vec<Found>, PipelineError>,
+    ) -> Result<Option<String>, PipelineError> {
         let full = self.root.join(path);
         match fs::metadata(&full) {
-            Ok(metadata) if metadata.is_dir() => self.listing(&list(&full, "")?).map(Some),
+            Ok(metadata) if metadata.is_dir() => self.listing(&list(&full)?).map(Some),
             Ok(metadata) => self.file(&full, &metadata).map(Some),
             Err(error)
                 if matches!(
@@ -118,12 +126,26 @@ impl<'a> Hasher<'a> {
             let itself = full.symlink_metadata().is_ok();
             return Ok(itself.then(|| vec![String::new()]));
         }
-        let mut names: Vec<String> = list(&full, "")?
+        let mut names: Vec<String> = list(&full, "", None)?
             .into_iter()
             .map(|entry| entry.within.trim_start_matches('/').to_owned())
             .collect();
         names.sort();
         Ok(Some(names))
+    }
+
+    /// The same of each of `paths` where anything is.
+    pub(crate) fn names_in<'p>(
+        &self,
+        paths: impl IntoIterator<Item = &'p String>,
+    ) -> Result<BTreeMap<String, Vec<String>>, PipelineError> {
+        let mut files = BTreeMap::new();
+        for path in paths {
+            if let Some(names) = self.names(path)? {
+                files.insert(path.clone(), names);
+            }
+        }
+        Ok(files)
     }
 
     /// The content that a directory would have with only `files` in it, in order.
@@ -133,7 +155,7 @@ impl<'a> Hasher<'a> {
         files: &[String],
     ) -> Result<String, PipelineError> {
         let full = self.root.join(path);
-        let mut entries = list(&full, "")?;
+        let mut entries = list(&full, "", None)?;
         let is_one = |name: &str| files.binary_search_by(|f| (**f).cmp(name)).is_ok();
         entries.retain(|entry| is_one(entry.within.trim_start_matches('/')));
         self.listing(&entries)
@@ -151,7 +173,7 @@ impl<'a> Hasher<'a> {
             return Ok(None);
         }
         let mut files = Vec::new();
-        for entry in list(&full, "")? {
+        for entry in list(&full, "", None)? {
             match entry.kind {
                 FoundKind::File(full, metadata)
                     if metadata.is_file() && !full.is_symlink() && full.to_str().is_some() =>
@@ -162,6 +184,38 @@ impl<'a> Hasher<'a> {
             }
         }
         Ok(Some(files))
+    }
+
+    /// Of each file of an output, links in it left out, its size and the second of its last change.
+    pub(crate) fn stamps(&self, path: &str) -> Result<Vec<(u64, i64)>, PipelineError> {
+        let full = self.root.join(path);
+        let stamp = |metadata: &Metadata| {
+            let look = Look::from_metadata(metadata);
+            (look.size, look.modified_ns.div_euclid(SECOND_NS))
+        };
+        if !full.is_dir() {
+            let metadata = fs::metadata(&full).ok();
+            let metadata = metadata.filter(Metadata::is_file);
+            return Ok(metadata.iter().map(stamp).collect());
+        }
+        let stamp_of = |found: &Found| match &found.kind {
+            FoundKind::File(full, metadata) if metadata.is_file() && !full.is_symlink() => {
+                Some(stamp(metadata))
+            }
+            _ => None,
+        };
+        Ok(list(&full, "", None)?.iter().filter_map(stamp_of).collect())
+    }
+
+    /// Of the files in an input folder the one that changed last.
+    pub(crate) fn newest(&self, folder: &str) -> Result<Option<String>, PipelineError> {
+        let files = list(&self.root.join(folder), "", Some(&[]))?;
+        let changed = |found: &Found| match &found.kind {
+            FoundKind::File(_, metadata) => Some(Look::from_metadata(metadata).changed_ns),
+            FoundKind::Link(_) => None,
+        };
+        let newest = files.iter().max_by_key(|found| changed(found));
+        Ok(newest.map(|found| format!("{folder}{}", found.within)))
     }
 
     /// Writes the cache back if anything is new. Not being able to only costs time later.
@@ -286,13 +340,17 @@ struct Found {
 
 enum FoundKind {
     File(PathBuf, Metadata),
-    /// A link to a directory or to nothing: where it points, not what is there, so that a
-    /// link to a directory above it has an end.
+    /// A link to a directory that is not followed, or to nothing: where it points.
     Link(String),
 }
 
-/// All files below `folder` in the order of their names, which begin with `prefix`.
-fn list(folder: &Path, prefix: &str) -> Result<Vec<Found>, PipelineError> {
+/// All files below `folder` in the order of their names, which begin with `prefix`. Links to directories are followed where the
+/// real paths of the `followed` so far are given; one to a directory above has an end there.
+fn list(
+    folder: &Path,
+    prefix: &str,
+    followed: Option<&[PathBuf]>,
+) -> Result<Vec<Found>, PipelineError> {
     let failed = || PipelineError::io("read the directory", folder);
     let entries = fs::read_dir(folder).map_err(failed())?;
     let mut names = Vec::new();
@@ -309,7 +367,13 @@ fn list(folder: &Path, prefix: &str) -> Result<Vec<Found>, PipelineError> {
         };
         let within = format!("{prefix}/{text}");
         if kind.is_dir() {
-            files.extend(list(&full, &within)?);
+            files.extend(list(&full, &within, followed)?);
+            continue;
+        }
+        if let Some(followed) = followed
+            && let Some(followed) = followed_by(folder, &full, followed)?
+        {
+            files.extend(list(&full, &within, Some(&followed))?);
             continue;
         }
         let kind = match fs::metadata(&full) {
@@ -322,6 +386,23 @@ fn list(folder: &Path, prefix: &str) -> Result<Vec<Found>, PipelineError> {
         files.push(Found { within, kind });
     }
     Ok(files)
+}
+
+/// The real paths above what a link in `folder` leads to; `None` if it leads to no directory, or to one of those.
+fn followed_by(
+    folder: &Path,
+    link: &Path,
+    followed: &[PathBuf],
+) -> Result<Option<Vec<PathBuf>>, PipelineError> {
+    if !link.is_symlink() || !link.is_dir() {
+        return Ok(None);
+    }
+    let real = |path: &Path| fs::canonicalize(path).map_err(PipelineError::io("read", path));
+    let target = real(link)?;
+    let mut above = followed.to_vec();
+    above.push(real(folder)?);
+    let is_loop = above.iter().any(|path| path.starts_with(&target));
+    Ok((!is_loop).then_some(above))
 }
 
 /// Reads until the buffer is full or the file ends.
@@ -338,163 +419,5 @@ fn fill(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
     Ok(filled)
 }
 
-impl Look {
-    #[cfg(unix)]
-    fn from_metadata(metadata: &Metadata) -> Self {
-        use std::os::unix::fs::MetadataExt;
-        let ns = |seconds: i64, ns: i64| seconds.saturating_mul(1_000_000_000).saturating_add(ns);
-        Self {
-            size: metadata.len(),
-            modified_ns: ns(metadata.mtime(), metadata.mtime_nsec()),
-            changed_ns: ns(metadata.ctime(), metadata.ctime_nsec()),
-            inode: metadata.ino(),
-        }
-    }
-
-    /// Windows has no time of a change to what is known of a file, and no stable number of it here: when it was made stands for it.
-    #[cfg(not(unix))]
-    fn from_metadata(metadata: &Metadata) -> Self {
-        let modified_ns = metadata.modified().map_or(i64::MAX, nanos_since_epoch);
-        let made_ns = metadata.created().map_or(0, nanos_since_epoch);
-        Self {
-            size: metadata.len(),
-            modified_ns,
-            changed_ns: modified_ns,
-            inode: made_ns.cast_unsigned(),
-        }
-    }
-
-    /// A time in the future never counts as settled, so a wrong clock costs time only.
-    fn is_settled_at(&self, now: SystemTime) -> bool {
-        let last = self.modified_ns.max(self.changed_ns);
-        nanos_since_epoch(now) > last.saturating_add(SETTLED_AFTER_NS)
-    }
-}
-
-fn nanos_since_epoch(time: SystemTime) -> i64 {
-    time.duration_since(UNIX_EPOCH).map_or(0, |since| {
-        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
-    })
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn content(root: &Path, path: &str) -> Option<String> {
-        let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
-        hasher.content(path).unwrap()
-    }
-
-    #[test]
-    fn a_directory_changes_with_names_and_contents_below_it() {
-        let folder = tempfile::tempdir().unwrap();
-        let root = folder.path();
-        fs::create_dir_all(root.join("d/e")).unwrap();
-        fs::write(root.join("d/e/one"), "1").unwrap();
-        let first = content(root, "d").unwrap();
-        assert!(first.ends_with(" in 1 file"));
-        fs::rename(root.join("d/e/one"), root.join("d/e/two")).unwrap();
-        let renamed = content(root, "d").unwrap();
-        fs::write(root.join("d/e/two"), "2").unwrap();
-        let rewritten = content(root, "d").unwrap();
-        assert!(first != renamed && renamed != rewritten);
-        assert_eq!(content(root, "nothing"), None);
-        assert_eq!(content(root, "d/e/two/below a file"), None);
-    }
-
-    #[test]
-    fn a_remembered_hash_is_dropped_when_the_file_changes() {
-        let folder = tempfile::tempdir().unwrap();
-        let root = folder.path();
-        fs::write(root.join("f"), "one").unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(40));
-        let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
-        let one = hasher.content("f").unwrap();
-        hasher.save();
-        let cached: Cache =
-            serde_json::from_slice(&fs::read(root.join(".hashes")).unwrap()).unwrap();
-        assert_eq!(cached.keys().collect::<Vec<_>>(), ["f"]);
-        assert_eq!(content(root, "f"), one);
-        fs::write(root.join("f"), "two").unwrap();
-        assert_ne!(content(root, "f"), one);
-    }
-
-    #[test]
-    fn a_file_is_settled_some_ticks_after_its_last_change_and_never_in_the_future() {
-        let at = |ns: i64| UNIX_EPOCH + std::time::Duration::from_nanos(ns.cast_unsigned());
-        let ago = |modified_ns: i64, changed_ns: i64| Look {
-            size: 1,
-            modified_ns,
-            changed_ns,
-            inode: 1,
-        };
-        let last = 5_000_000_000;
-        for look in [ago(last, last), ago(last, 1), ago(1, last)] {
-            let settles = last + SETTLED_AFTER_NS;
-            assert!(look.is_settled_at(at(settles + 1)));
-            assert!(!look.is_settled_at(at(settles)));
-            assert!(!look.is_settled_at(at(0)));
-        }
-        assert!(!ago(i64::MAX, 1).is_settled_at(at(i64::MAX - 1)));
-    }
-
-    #[test]
-    fn a_file_that_has_just_changed_is_not_remembered() {
-        let folder = tempfile::tempdir().unwrap();
-        let root = folder.path();
-        let path = root.join("f");
-        fs::write(&path, "one").unwrap();
-        // As if its clock were ahead.
-        let ahead = SystemTime::now() + std::time::Duration::from_hours(1);
-        File::options()
-            .write(true)
-            .open(&path)
-            .unwrap()
-            .set_modified(ahead)
-            .unwrap();
-        let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
-        hasher.content("f").unwrap();
-        hasher.save();
-        assert!(!root.join(".hashes").exists());
-    }
-
-    #[test]
-    fn a_damaged_cache_is_ignored() {
-        let folder = tempfile::tempdir().unwrap();
-        let root = folder.path();
-        fs::write(root.join("f"), "one").unwrap();
-        fs::write(root.join(".hashes"), "{ not json").unwrap();
-        assert_eq!(content(root, "f").unwrap().len(), 64);
-    }
-
-    #[test]
-    fn a_hash_does_not_depend_on_the_blocks_in_which_a_file_is_read() {
-        let folder = tempfile::tempdir().unwrap();
-        let root = folder.path();
-        let block = BLOCK as usize;
-        for size in [
-            0,
-            1,
-            WORTH_THREADS,
-            block - 1,
-            block,
-            block + 1,
-            2 * block + 3,
-        ] {
-            let bytes: Vec<u8> = (0..size).map(|i| (i * i / 7) as u8).collect();
-            fs::write(root.join("f"), &bytes).unwrap();
-            assert_eq!(content(root, "f"), Some(hash_of(&bytes)), "{size} bytes");
-        }
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_link_to_a_directory_above_has_an_end() {
-        let folder = tempfile::tempdir().unwrap();
-        let root = folder.path();
-        fs::create_dir(root.join("d")).unwrap();
-        std::os::unix::fs::symlink("../d", root.join("d/loop")).unwrap();
-        assert!(content(root, "d").unwrap().ends_with(" in 1 file"));
-    }
-}
+mod tests;

@@ -172,6 +172,21 @@ pub enum PipelineError {
         /// The newest that we read.
         supported: u32,
     },
+    /// The pipeline has run in another folder, where its paths mean other files.
+    #[error(
+        "the ledger {} is of runs in {}; in {} its paths mean other files",
+        ledger.to_slash_lossy(),
+        before.to_slash_lossy(),
+        root.to_slash_lossy()
+    )]
+    OtherRoot {
+        /// The ledger's file.
+        ledger: PathBuf,
+        /// Where its runs were.
+        before: PathBuf,
+        /// Where it would run now.
+        root: PathBuf,
+    },
     /// Another run is at work on the same ledger.
     #[error("another run of this pipeline{} is still at work (lock {})", holder(*pid), path.to_slash_lossy())]
     Busy {
@@ -263,6 +278,10 @@ impl PipelineError {
                  runs made has to be removed or put aside (--move-aside)",
                 path.to_slash_lossy()
             )),
+            Self::OtherRoot { before, .. } => Some(format!(
+                "run it in {}, or use a copy of the pipeline file",
+                before.to_slash_lossy()
+            )),
             Self::HoldsOurs { .. } => {
                 Some("name the files or subdirectories that the stage reads or makes".to_owned())
             }
@@ -297,6 +316,18 @@ impl PipelineError {
             | Self::Io { .. }
             | Self::Interrupted => None,
         }
+    }
+
+    /// Whether what was asked for cannot be meant, whatever the files are: a wrong word of the call.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::OverrideForm { .. }
+                | Self::UnknownOverride { .. }
+                | Self::OverrideType { .. }
+                | Self::UnknownTarget { .. }
+                | Self::BadVariant { .. }
+        )
     }
 
     /// For `map_err`: an I/O error with what was being done to which path.

@@ -11,10 +11,12 @@ use crate::paths::{below, with_ancestors};
 use crate::{Manifest, PipelineError, Row, Stage};
 
 pub(crate) use open::OpenLedger;
-pub(crate) use read::{Loaded, load};
+pub(crate) use read::{Loaded, load, load_at};
 
 /// The format that this version writes, and the newest that it reads.
-pub const LEDGER_VERSION: u32 = 3;
+pub const LEDGER_VERSION: u32 = 4;
+/// The first format that is kept by output path.
+pub(crate) const FIRST_BY_OUTPUT: u32 = 3;
 
 const HEADING: &str = "# What each stage's outputs were made from. Written at the end of a run; \
                        not meant to be edited.\n\n";
@@ -31,6 +33,9 @@ pub struct Ledger {
     pub version: u32,
     /// The pipeline's name.
     pub pipeline: String,
+    /// Where the paths of its stages begin, as seen from the ledger's folder; up to format 3 nobody knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root: Option<String>,
     /// What is there of runs that did not end well, or of which others have taken a part.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub left: BTreeMap<String, Left>,
@@ -77,11 +82,11 @@ pub struct Record {
 pub struct Left {
     /// Its name, with that of its branch in a fan-out.
     pub stage: String,
-    /// Outputs in the making when this was last written: whatever is there, the stage made it.
+    /// Outputs in the making when this was last written: a file there is the stage's, of files in a folder nobody knows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub open: Vec<String>,
     /// The files that are known to be the stage's, by output; the empty name for an output
-    /// that is a file itself.
+    /// that is a file itself. Of an output in the making, what the last good run had made.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub files: BTreeMap<String, Vec<String>>,
 }
@@ -89,8 +94,9 @@ pub struct Left {
 /// What of an output is a run's.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Made<'a> {
-    /// All of it, whatever it is.
-    All,
+    /// It was in the making when its run was cut off. A file is the run's, and of a directory those that its last good run had made, in
+    /// order; of others there nobody knows.
+    Open(&'a [String]),
     /// Files below it, in order; the empty name for itself.
     Files(&'a [String]),
     /// All of it, as long as it has this content: earlier versions kept no list of files.
@@ -105,6 +111,7 @@ impl Ledger {
         Self {
             version: LEDGER_VERSION,
             pipeline: pipeline.to_owned(),
+            root: None,
             left: BTreeMap::new(),
             run: BTreeMap::new(),
         }
@@ -178,7 +185,10 @@ impl Ledger {
         if let Some(left) = self.left.get(key) {
             let files = left.files.iter();
             outputs.extend(files.map(|(output, files)| (output.as_str(), Made::Files(files))));
-            outputs.extend(left.open.iter().map(|output| (output.as_str(), Made::All)));
+            outputs.extend(left.open.iter().map(|output| {
+                let known = left.files.get(output).map_or(&[][..], Vec::as_slice);
+                (output.as_str(), Made::Open(known))
+            }));
         }
         outputs
     }
@@ -189,11 +199,12 @@ impl Ledger {
         begun.or_else(|| self.run.get(key).map(|record| record.stage.as_str()))
     }
 
-    /// Notes that a stage is about to make `outputs`: all that will be there is its own. Of
-    /// the runs `from`, which had made something there, those of the same stage are its
-    /// past; others lose what lies there.
+    /// Notes that a stage is about to make `outputs`. Of the runs `from`, which had made something
+    /// there, those of the same stage are its past: what they had made is likely to be made again.
+    /// Others lose what lies there.
     pub(crate) fn begin(&mut self, key: &str, stage: &str, outputs: &[String], from: &[String]) {
         let mut past = BTreeMap::new();
+        let mut again = BTreeMap::new();
         let mut making = outputs.to_vec();
         for other in from.iter().map(String::as_str).chain([key]) {
             let same = other == key || self.stage_of(other) == Some(stage);
@@ -206,6 +217,9 @@ impl Ledger {
             let name = self.stage_of(other).unwrap_or_default().to_owned();
             self.forget(other);
             for output in outputs {
+                if same && let Some(known) = files.get(output) {
+                    again.insert(output.clone(), known.clone());
+                }
                 take(&mut files, output);
             }
             if same {
@@ -220,6 +234,7 @@ impl Ledger {
                 self.left.insert(other.to_owned(), left);
             }
         }
+        past.append(&mut again);
         let left = Left {
             stage: stage.to_owned(),
             open: making,
@@ -236,8 +251,8 @@ impl Ledger {
     /// The files of a run by output, as far as they are known by name.
     fn files_left(&self, key: &str) -> BTreeMap<String, Vec<String>> {
         let files = |made: Made<'_>| match made {
-            Made::Files(files) => Some(files.to_vec()),
-            Made::All | Made::If(_) => None,
+            Made::Files(files) | Made::Open(files) => Some(files.to_vec()),
+            Made::If(_) => None,
         };
         let outputs = self.made_by(key).into_iter();
         outputs
@@ -306,6 +321,10 @@ mod tests {
         assert_eq!(ledger.left["out/a"].open, outputs);
         // What the stage no longer makes is still known as its own.
         assert_eq!(ledger.left["out/a"].files["rest"], [""]);
+        // What it had made there before is likely to be made again.
+        assert_eq!(ledger.left["out/a"].files["out/a"], ["0"]);
+        let made = ledger.made_by("out/a");
+        assert!(matches!(made["out/a"], Made::Open([name]) if name == "0"));
         ledger.begin("x", "one", &list(&["x"]), &list(&["out/a"]));
         assert!(!ledger.left.contains_key("out/a"));
         assert_eq!(ledger.left["x"].files["rest"], [""]);

@@ -21,6 +21,7 @@ mod graph;
 mod journal;
 mod ledger;
 mod lock;
+mod look;
 mod manifest;
 mod memory;
 mod orphans;

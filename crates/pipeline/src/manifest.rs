@@ -74,7 +74,7 @@ impl Manifest {
         hasher: &Hasher<'_>,
     ) -> Result<(), PipelineError> {
         for input in inputs {
-            if let Some(content) = hasher.content(input.as_ref())? {
+            if let Some(content) = hasher.input(input.as_ref())? {
                 self.add(FactKind::Input, input.as_ref(), content);
             }
         }
@@ -96,6 +96,10 @@ impl Manifest {
     pub(crate) fn without_inputs(mut self, is_open: impl Fn(&str) -> bool) -> Self {
         if let Some(inputs) = self.0.get_mut(&FactKind::Input) {
             inputs.retain(|path, _| !is_open(path));
+            // A list that never had one has no such kind.
+            if inputs.is_empty() {
+                self.0.remove(&FactKind::Input);
+            }
         }
         self
     }
@@ -114,6 +118,12 @@ impl Manifest {
     pub fn facts(&self, kind: FactKind) -> impl Iterator<Item = (&str, &str)> {
         let facts = self.0.get(&kind).into_iter().flatten();
         facts.map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// The inputs that are not the same in both, in order.
+    pub(crate) fn inputs_apart(&self, now: &Self) -> Vec<String> {
+        let apart = self.changes(now, FactKind::Input).into_iter();
+        apart.map(|(path, _)| path).collect()
     }
 
     /// Whether it names this input.
@@ -218,6 +228,15 @@ mod tests {
             reasons[0].to_string(),
             "parameter `seed` changed from 1 to 2"
         );
+    }
+
+    #[test]
+    fn without_its_only_input_a_list_is_as_if_it_had_never_had_one() {
+        let line = (FactKind::Command, COMMAND_LINE, "x");
+        let one = manifest(&[line, (FactKind::Input, "a.txt", "00")]);
+        let without = |path: &str| one.clone().without_inputs(|input| input == path);
+        assert_eq!(without("a.txt"), manifest(&[line]));
+        assert_eq!(without("b.txt"), one);
     }
 
     fn any_manifest() -> impl Strategy<Value = Manifest> {

@@ -156,11 +156,14 @@ pub(crate) fn remove(
         if cleared {
             ledger.forget(&key)?;
         }
-        warnings.push(Warning::NoLongerMade {
-            stage,
-            removed: cleaned.removed,
-            kept,
-        });
+        // What was moved aside has been told.
+        if !cleaned.removed.is_empty() || !kept.is_empty() {
+            warnings.push(Warning::NoLongerMade {
+                stage,
+                removed: cleaned.removed,
+                kept,
+            });
+        }
     }
     Ok(warnings)
 }

@@ -1,6 +1,8 @@
 //! What stands in the places of a stage's outputs: made by runs, or by nobody that we know.
 
+use std::collections::BTreeSet;
 use std::fs;
+use std::io;
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -21,46 +23,83 @@ fn join(output: &str, within: &str) -> String {
     }
 }
 
-/// The files where `stage` has its outputs that none of the runs `keys` made.
-pub(crate) fn foreign(
+/// The files that are about to be replaced and that no run is known to have made.
+#[derive(Debug, Default)]
+pub(crate) struct Unknown {
+    /// No run made them.
+    pub(crate) foreign: Vec<String>,
+    /// They lie in directories of a run that was cut off: it made them, or somebody put them there.
+    pub(crate) unsure: Vec<String>,
+}
+
+/// Of a file, whether a run made it; the greatest of what several runs say counts.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Origin {
+    Foreign,
+    Unsure,
+    Made,
+}
+
+/// The files where `stage` has or had its outputs that none of the runs `keys` is known to have made.
+pub(crate) fn unknown(
     stage: &Stage,
     keys: &[String],
     ledger: &Ledger,
     hasher: &Hasher<'_>,
-) -> Result<Vec<String>, PipelineError> {
-    let mut outputs: Vec<(&str, Made<'_>)> = Vec::new();
+) -> Result<Unknown, PipelineError> {
+    // Of each output what is a run's; `None` for all that is there.
+    let mut outputs: Vec<(&str, Option<Made<'_>>)> = Vec::new();
     for key in keys {
         for (output, what) in ledger.made_by(key) {
-            outputs.push(match what {
-                Made::If(content) if hasher.content(output)?.as_deref() == Some(content) => {
-                    (output, Made::All)
-                }
-                what => (output, what),
-            });
+            let is_whole = match what {
+                Made::If(content) => hasher.content(output)?.as_deref() == Some(content),
+                Made::Open(_) | Made::Files(_) => false,
+            };
+            outputs.push((output, (!is_whole).then_some(what)));
         }
     }
-    let is_made = |path: &str| {
-        outputs.iter().any(|(output, what)| {
-            let within = path.strip_prefix(output);
-            let within = within.filter(|rest| rest.is_empty() || rest.starts_with('/'));
-            let within = within.map(|rest| rest.trim_start_matches('/'));
-            within.is_some_and(|within| match what {
-                Made::All => true,
-                Made::Files(files) => files.binary_search_by(|f| (**f).cmp(within)).is_ok(),
-                Made::If(_) => false,
+    let origin = |path: &str| {
+        let by_one = |(output, what): &(&str, Option<Made<'_>>)| {
+            let within = path.strip_prefix(output)?;
+            let is_below = within.is_empty() || within.starts_with('/');
+            let within = within.trim_start_matches('/');
+            is_below.then(|| match what {
+                None => Origin::Made,
+                Some(Made::Open(_)) if within.is_empty() => Origin::Made,
+                Some(Made::Files(files) | Made::Open(files))
+                    if files.binary_search_by(|f| (**f).cmp(within)).is_ok() =>
+                {
+                    Origin::Made
+                }
+                Some(Made::Open(_)) => Origin::Unsure,
+                Some(Made::Files(_) | Made::If(_)) => Origin::Foreign,
             })
-        })
+        };
+        let origins = outputs.iter().filter_map(by_one);
+        origins.max().unwrap_or(Origin::Foreign)
     };
-    let mut foreign = Vec::new();
-    for output in &stage.outputs {
+    // What an earlier run of the stage was about to make elsewhere goes, too.
+    let earlier = keys
+        .iter()
+        .filter(|key| ledger.stage_of(key) == Some(stage.name.as_str()));
+    let open = earlier.filter_map(|key| ledger.left.get(key));
+    let open = open.flat_map(|left| &left.open);
+    let mut unknown = Unknown::default();
+    let mut unsure = BTreeSet::new();
+    for output in stage.outputs.iter().chain(open) {
         for within in hasher.names(output)?.unwrap_or_default() {
             let path = join(output, &within);
-            if !is_made(&path) {
-                foreign.push(path);
+            match origin(&path) {
+                Origin::Foreign => unknown.foreign.push(path),
+                Origin::Unsure => {
+                    unsure.insert(path);
+                }
+                Origin::Made => {}
             }
         }
     }
-    Ok(foreign)
+    unknown.unsure = unsure.into_iter().collect();
+    Ok(unknown)
 }
 
 /// Moves files beside the outputs in which they stand, into a folder with today's date that
@@ -89,12 +128,32 @@ pub(crate) fn move_aside(
         if let Some(folder) = to.parent() {
             fs::create_dir_all(folder).map_err(PipelineError::io("create", folder))?;
         }
-        fs::rename(&from, &to).map_err(PipelineError::io("move aside", &from))?;
+        move_to(&from, &to).map_err(PipelineError::io("move aside", &from))?;
         if !folders.contains(&folder) {
             folders.push(folder);
         }
     }
     Ok(folders)
+}
+
+/// Moves a file or a link, also onto another disk: an output folder may be a link to one.
+fn move_to(from: &Path, to: &Path) -> io::Result<()> {
+    match fs::rename(from, to) {
+        Err(error) if error.kind() == io::ErrorKind::CrossesDevices => {
+            copy(from, to)?;
+            fs::remove_file(from)
+        }
+        renamed => renamed,
+    }
+}
+
+/// Copies a file; a link as a link.
+fn copy(from: &Path, to: &Path) -> io::Result<()> {
+    #[cfg(unix)]
+    if from.is_symlink() {
+        return std::os::unix::fs::symlink(fs::read_link(from)?, to);
+    }
+    fs::copy(from, to).map(drop)
 }
 
 /// Removes what stands in a stage's outputs, all of which is its own, and what else it had
@@ -152,14 +211,14 @@ pub(crate) fn remove_files(
 }
 
 /// Removes a file, a link or a whole directory; nothing there is fine.
-pub(crate) fn remove(path: &Path) -> std::io::Result<()> {
+pub(crate) fn remove(path: &Path) -> io::Result<()> {
     let result = match fs::symlink_metadata(path) {
         Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),
         Ok(_) => fs::remove_file(path),
         Err(error) => Err(error),
     };
     match result {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
         other => other,
     }
 }
@@ -224,6 +283,29 @@ mod tests {
         ] {
             assert_eq!(date(days), expected);
         }
+    }
+
+    /// `/dev/shm` is another disk than that of temporary files, where there is one.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_file_and_a_link_are_moved_onto_another_disk_too() {
+        let to = tempfile::tempdir().unwrap();
+        let from = tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir());
+        let from = from.unwrap();
+        fs::write(from.path().join("file"), "mine").unwrap();
+        std::os::unix::fs::symlink("nowhere", from.path().join("link")).unwrap();
+        for name in ["file", "link"] {
+            move_to(&from.path().join(name), &to.path().join(name)).unwrap();
+        }
+        assert_eq!(fs::read_dir(from.path()).unwrap().count(), 0);
+        let file = fs::read_to_string(to.path().join("file")).unwrap();
+        assert_eq!(file, "mine");
+        let link = fs::read_link(to.path().join("link")).unwrap();
+        assert_eq!(link, Path::new("nowhere"));
+        copy(&to.path().join("file"), &to.path().join("again")).unwrap();
+        copy(&to.path().join("link"), &from.path().join("link")).unwrap();
+        assert!(to.path().join("again").is_file() && from.path().join("link").is_symlink());
+        assert!(move_to(&from.path().join("gone"), &to.path().join("gone")).is_err());
     }
 
     #[test]

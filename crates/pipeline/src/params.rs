@@ -104,7 +104,10 @@ pub fn parse_override(text: &str) -> Result<(String, String), PipelineError> {
 impl Params {
     /// Replaces the value of a parameter that exists.
     pub(crate) fn set(&mut self, name: &str, value: &str) -> Result<(), PipelineError> {
-        let known: Vec<String> = self.0.keys().cloned().collect();
+        // What the caller provides stands in no file.
+        let params = self.0.iter();
+        let params = params.filter(|(_, p)| p.kind != ParamKind::Literal);
+        let known: Vec<String> = params.map(|(name, _)| name.clone()).collect();
         let Some(param) = self.0.get_mut(name) else {
             return Err(PipelineError::UnknownOverride {
                 name: name.to_owned(),
@@ -181,6 +184,14 @@ impl Params {
                 rest = &rest[name.len() + 4..];
             } else if let Some(name) = name_before(&rest[1..], "}") {
                 let value = self.value(name, used, open)?;
+                let is_first = result.is_empty() && value.is_empty();
+                if is_first
+                    && matches!(kind, Text::Plain)
+                    && rest[name.len() + 2..].starts_with('/')
+                {
+                    let name = name.to_owned();
+                    return Err(FileProblem::EmptyStart { name });
+                }
                 result.push_str(&kind.quoted(name, value)?);
                 rest = &rest[name.len() + 2..];
             } else {

@@ -1,7 +1,9 @@
 //! Where a pipeline runs and with what program.
 
+use path_slash::PathExt as _;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
 
 use crate::error::nearest;
 use crate::paths::normalise;
@@ -152,10 +154,51 @@ impl Place {
         }
     }
 
+    /// The root as seen from the ledger's folder, which is there: a project that is moved as a whole keeps it.
+    pub(crate) fn root_from_ledger(&self) -> String {
+        from_folder(&self.ledger_folder(), &real(&self.root))
+    }
+
+    /// The folder that [`Place::root_from_ledger`] means.
+    pub(crate) fn folder_from_ledger(&self, way: &str) -> PathBuf {
+        one_spelling(&self.ledger_folder().join(way))
+    }
+
+    fn ledger_folder(&self) -> PathBuf {
+        match self.ledger.parent() {
+            Some(folder) if folder != Path::new("") => real(folder),
+            _ => real(Path::new(".")),
+        }
+    }
+
     fn beside_ledger(&self, suffix: &str) -> PathBuf {
         let mut name = self.ledger.as_os_str().to_owned();
         name.push(suffix);
         PathBuf::from(name)
+    }
+}
+
+/// The absolute path without links; of what is not there, as it is spelled.
+fn real(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| one_spelling(path))
+}
+
+/// The way from one folder to another, both absolute; the other itself where they have nothing in common.
+fn from_folder(folder: &Path, other: &Path) -> String {
+    let common = folder.components().zip(other.components());
+    let common = common.take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return other.to_slash_lossy().into_owned();
+    }
+    let up = folder
+        .components()
+        .skip(common)
+        .map(|_| Component::ParentDir);
+    let way: PathBuf = up.chain(other.components().skip(common)).collect();
+    if way == Path::new("") {
+        ".".to_owned()
+    } else {
+        way.to_slash_lossy().into_owned()
     }
 }
 
@@ -184,6 +227,18 @@ mod tests {
         assert_eq!(place.jobs(), Path::new("/study/own/lock.jobs"));
         assert_eq!(place.log_of("a"), Path::new("/study/own/logs/a.log"));
         assert_ne!(place.stdout_of("a", "one"), place.stdout_of("a", "two"));
+    }
+
+    #[test]
+    fn the_way_from_the_ledger_to_the_root_is_that_of_the_project_wherever_it_lies() {
+        for (folder, root, way) in [
+            ("/study/pipelines", "/study", ".."),
+            ("/study", "/study", "."),
+            ("/study", "/study/sub", "sub"),
+            ("/elsewhere/study/own", "/elsewhere/other", "../../other"),
+        ] {
+            assert_eq!(from_folder(Path::new(folder), Path::new(root)), way);
+        }
     }
 
     #[test]

@@ -37,8 +37,8 @@ pub struct Failure {
     pub cause: FailureCause,
     /// The last lines that it printed, at most twenty.
     pub last_lines: Vec<String>,
-    /// A shell command that repeats the stage alone.
-    pub repeat: String,
+    /// A shell command that repeats the stage alone; none where it was kept from starting, which the command would not be.
+    pub repeat: Option<String>,
     /// Everything that it printed, if it was begun.
     pub log: Option<PathBuf>,
     /// How long it ran, in seconds, if it was begun.
@@ -82,8 +82,33 @@ pub enum FailureCause {
         /// The outputs that are not there.
         paths: Vec<String>,
     },
+    /// What it read was edited meanwhile, so that nobody knows from which content it made its outputs.
+    #[error(
+        "{} changed while it ran or waited{}",
+        shortened(paths),
+        run_again(newest.as_ref())
+    )]
+    InputsChanged {
+        /// The inputs, relative to the root.
+        paths: Vec<String>,
+        /// Of the first of them that is a folder, the file in it that changed last: the stage itself may have written it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        newest: Option<String>,
+    },
+    /// What it made on a cluster was edited before its end was seen.
+    #[error(
+        "what it made ({}) was changed after its job had ended: run again",
+        shortened(paths)
+    )]
+    OutputsChanged {
+        /// Its outputs.
+        paths: Vec<String>,
+    },
     /// A cluster ended its job, or forgot it, before the stage ended by itself.
-    #[error("its job {job} on the cluster ended without it: {state}")]
+    #[error(
+        "its job {job} on the cluster ended without it: {state}{}",
+        remedy(state)
+    )]
     JobLost {
         /// The job, as the cluster calls it.
         job: String,
@@ -121,6 +146,37 @@ pub enum FailureCause {
         /// The inputs that are not there.
         paths: Vec<String>,
     },
+}
+
+impl FailureCause {
+    /// Whether the stage was kept from starting, or from replacing what somebody else has put there.
+    pub(crate) fn is_before_start(&self) -> bool {
+        matches!(
+            self,
+            Self::Foreign { .. } | Self::BehindLink { .. } | Self::InputsMissing { .. }
+        )
+    }
+}
+
+/// What to do once an input has changed, of a folder with the file in it that changed last.
+fn run_again(newest: Option<&String>) -> String {
+    newest.map_or_else(
+        || ": run again".to_owned(),
+        |newest| {
+            format!(
+                " (newest there: {newest}): run again; if the stage itself writes there, list the files that it reads instead of the folder"
+            )
+        },
+    )
+}
+
+/// What to ask for more of, after a state of Slurm.
+fn remedy(state: &str) -> &'static str {
+    match state {
+        "TIMEOUT" => "; give it more `minutes` in its resources",
+        "OUT_OF_MEMORY" => "; give it more `memory_mb` in its resources",
+        _ => "",
+    }
 }
 
 fn them(paths: &[String]) -> &'static str {
@@ -188,6 +244,20 @@ pub enum Warning {
     /// Files that no run had made were moved out of a stage's outputs.
     #[error("{} moved from the outputs of stage `{stage}` into {}", counted(*files), folders.join(", "))]
     MovedAside {
+        /// The stage in whose outputs they lay.
+        stage: String,
+        /// How many files.
+        files: usize,
+        /// Where they are now, relative to the root.
+        folders: Vec<String>,
+    },
+    /// The last run of a stage was cut off, so that nobody knows which files in its folders it had made.
+    #[error(
+        "the last run of stage `{stage}` was cut off: what lay in its folders ({}) is now in {}",
+        amount(*files),
+        folders.join(", ")
+    )]
+    CutOff {
         /// The stage in whose outputs they lay.
         stage: String,
         /// How many files.
@@ -270,6 +340,13 @@ fn counted(files: usize) -> String {
     match files {
         1 => "one file that no run had made was".to_owned(),
         files => format!("{files} files that no run had made were"),
+    }
+}
+
+fn amount(files: usize) -> String {
+    match files {
+        1 => "one file".to_owned(),
+        files => format!("{files} files"),
     }
 }
 

@@ -41,7 +41,7 @@ pub fn run(
     graph.check_sources(&wanted, place)?;
     let forced = crate::status::forced(&graph, &options.targets, options.force)?;
     let lock = RunLock::acquire(place.lock())?;
-    let loaded = ledger::load(&place.ledger, Some(pipeline.name()))?;
+    let loaded = ledger::load_at(place, pipeline.name())?;
     let mut ledger = OpenLedger::new(place.ledger.clone(), loaded)?;
     ledger.forget_gone(pipeline.stages(), place);
     std::fs::create_dir_all(&place.log_dir).map_err(PipelineError::io("create", &place.log_dir))?;
@@ -59,7 +59,7 @@ pub fn run(
     };
     let mut schedule = Schedule::new(&graph, wanted);
     let result = match options.executor {
-        Executor::Local => refuse_while_jobs_run(place),
+        Executor::Local => refuse_while_jobs_run(place, &mut workshop.ledger(), &workshop.hasher),
         _ => Ok(()),
     };
     let orphans_removed = result.and_then(|()| {

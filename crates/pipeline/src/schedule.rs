@@ -167,6 +167,11 @@ impl<'g> Schedule<'g> {
                 result.state = State::Ready;
                 return;
             }
+            Attempt::TakenBack => {
+                result.state = State::Wanted;
+                result.reasons.clear();
+                return;
+            }
         }
         for &user in self.graph.users(index) {
             self.waiting[user] -= 1;

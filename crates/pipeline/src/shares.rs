@@ -4,14 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 use crate::PipelineError;
+use crate::look::{is_settled, nanos_since_epoch};
 use crate::stage::Share;
-
-/// File systems stamp times in ticks of up to 10 ms: a directory changed this lately could
-/// change again without looking changed.
-const TICK: Duration = Duration::from_millis(25);
 
 /// Directories that were dealt out, so that a thousand shards do not list theirs a thousand
 /// times.
@@ -34,7 +31,7 @@ impl Shares {
         let kind = (share.folder.clone(), share.pattern.clone(), share.shards);
         let changed = fs::metadata(root.join(&share.folder)).and_then(|m| m.modified());
         let now = SystemTime::now();
-        let settled = |time: &SystemTime| now.duration_since(*time).is_ok_and(|age| age > TICK);
+        let settled = |time: SystemTime| is_settled(&[nanos_since_epoch(time)], now);
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let dealt = match known.get(&kind) {
             Some(dealt) if changed.as_ref().is_ok_and(|c| *c == dealt.changed) => dealt.clone(),
@@ -44,7 +41,7 @@ impl Shares {
                     changed: changed.as_ref().map_or(SystemTime::UNIX_EPOCH, |c| *c),
                     files,
                 };
-                if changed.is_ok_and(|time| settled(&time)) {
+                if changed.is_ok_and(settled) {
                     known.insert(kind, dealt.clone());
                 }
                 dealt
@@ -100,7 +97,7 @@ mod tests {
             };
             [0, 1, 2].map(|shard| known.files(&share(shard), folder.path()).unwrap())
         };
-        std::thread::sleep(2 * TICK);
+        std::thread::sleep(std::time::Duration::from_millis(50));
         let before = shares();
         assert_eq!(before.iter().map(Vec::len).sum::<usize>(), 40);
         assert!(before.iter().all(|share| share.len() > 4));

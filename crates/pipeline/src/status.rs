@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::check::{Past, Present};
 use crate::content::Hasher;
 use crate::paths::with_ancestors;
-use crate::{Graph, Ledger, Pipeline, PipelineError, Place, Reason};
+use crate::{Graph, Pipeline, PipelineError, Place, Reason, ledger};
 
 /// Whether one stage is up to date, and if not, why.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -101,7 +101,7 @@ fn examine(
     wanted: &BTreeSet<usize>,
     forced: &BTreeSet<usize>,
 ) -> Result<Vec<StageStatus>, PipelineError> {
-    let ledger = Ledger::read(&place.ledger, graph.pipeline().name())?;
+    let ledger = ledger::load_at(place, graph.pipeline().name())?.ledger;
     let hasher = Hasher::of_place(place);
     let mut statuses: Vec<StageStatus> = Vec::new();
     let mut stale = BTreeSet::new();

@@ -77,7 +77,7 @@ impl Store {
     /// Brings a file; `false` where there is nothing of this name.
     pub(crate) fn fetch(&self, name: &str, target: &Path) -> Result<bool, PipelineError> {
         let fetched = match self {
-            Self::Folder(folder) => match fs::copy(folder.join(name), target) {
+            Self::Folder(folder) => match copy(&folder.join(name), target) {
                 // Something else may have its name: that is no file that was kept.
                 Err(_) if !folder.join(name).is_file() => Ok(false),
                 copied => copied.map(|_| true),
@@ -123,6 +123,12 @@ impl Store {
     }
 }
 
+/// Copies what is in a file, not who may read it.
+fn copy(from: &Path, to: &Path) -> io::Result<u64> {
+    let mut from = fs::File::open(from)?;
+    io::copy(&mut from, &mut fs::File::create(to)?)
+}
+
 /// Whether a place is on object storage.
 pub(crate) fn is_url(place: &str) -> bool {
     place.contains("://")
@@ -148,13 +154,27 @@ pub(crate) fn is_executable(_path: &Path) -> bool {
 
 /// A cache for all must be readable for all, whatever the umask of who fills it.
 #[cfg(unix)]
-pub(crate) fn set_mode(path: &Path, executable: bool) -> io::Result<()> {
+fn set_mode(path: &Path, executable: bool) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;
     let mode = if executable { 0o755 } else { 0o644 };
     fs::set_permissions(path, fs::Permissions::from_mode(mode))
 }
 
 #[cfg(not(unix))]
-pub(crate) fn set_mode(_path: &Path, _executable: bool) -> io::Result<()> {
+fn set_mode(_path: &Path, _executable: bool) -> io::Result<()> {
+    Ok(())
+}
+
+/// Whoever may read the file may run it, too.
+#[cfg(unix)]
+pub(crate) fn make_executable(path: &Path) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    let mode = fs::metadata(path)?.permissions().mode();
+    let mode = mode | ((mode & 0o444) >> 2);
+    fs::set_permissions(path, fs::Permissions::from_mode(mode))
+}
+
+#[cfg(not(unix))]
+pub(crate) fn make_executable(_path: &Path) -> io::Result<()> {
     Ok(())
 }

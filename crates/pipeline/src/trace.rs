@@ -7,10 +7,10 @@ use std::path::Path;
 use crate::content::Hasher;
 use crate::error::nearest;
 use crate::paths::{below, normalise, with_ancestors};
-use crate::{FactKind, FileState, Ledger, PipelineError, Place, Record, Row};
+use crate::{FactKind, FileState, Ledger, PipelineError, Place, Record, Role, Row};
 
 /// Where a file comes from, as the ledger says.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Trace {
     /// The file, relative to the root.
     pub path: String,
@@ -21,7 +21,7 @@ pub struct Trace {
 }
 
 /// A stage on the way.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct TracedStage {
     /// Its name.
     pub stage: String,
@@ -33,6 +33,10 @@ pub struct TracedStage {
     pub versions: BTreeMap<String, String>,
     /// The row of a table that it is for.
     pub row: Option<Row>,
+    /// How long it ran, in seconds.
+    pub seconds: f64,
+    /// The most memory that one of its processes held, in bytes, where it is known.
+    pub peak_memory: Option<u64>,
     /// Those of its outputs that were of use.
     pub outputs: Vec<TracedFile>,
     /// What it read.
@@ -91,11 +95,11 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
         let record = &ledger.run[name];
         let facts = |kind| record.made_from.facts(kind);
         let owned = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
-        let file = |path: &str, content: &str| {
+        let file = |path: &str, content: &str, role: Role| {
             Ok(TracedFile {
                 path: path.to_owned(),
                 content: content.to_owned(),
-                state: FileState::compare(path, content, &hasher)?,
+                state: FileState::compare(path, content, role, &hasher)?,
                 makers: makers
                     .of_path(path)
                     .into_iter()
@@ -111,14 +115,17 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
         let outputs = record.outputs.keys().filter(used).collect::<Vec<_>>();
         let outputs = outputs
             .iter()
-            .map(|path| file(path, &record.outputs[*path]));
-        let inputs = facts(FactKind::Input).map(|(path, content)| file(path, content));
+            .map(|path| file(path, &record.outputs[*path], Role::Output));
+        let inputs = facts(FactKind::Input);
+        let inputs = inputs.map(|(path, content)| file(path, content, Role::Input));
         stages.push(TracedStage {
             stage: record.stage.clone(),
             command: facts(FactKind::Command).map(|(_, line)| line).collect(),
             params: facts(FactKind::Parameter).map(owned).collect(),
             versions: facts(FactKind::Version).map(owned).collect(),
             row: record.row.clone(),
+            seconds: record.seconds,
+            peak_memory: record.peak_memory,
             outputs: outputs.collect::<Result<_, PipelineError>>()?,
             inputs: inputs.collect::<Result<_, PipelineError>>()?,
         });
@@ -134,7 +141,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
         Ok(Source {
             path: path.to_owned(),
             content: content.to_owned(),
-            state: FileState::compare(path, content, &hasher)?,
+            state: FileState::compare(path, content, Role::Input, &hasher)?,
             readers,
         })
     };
@@ -231,6 +238,10 @@ impl Trace {
             let versions: String = stage.versions.iter().map(version).collect();
             lines.push(format!("<- stage {}{row}{versions}", stage.stage));
             lines.push(format!("     {}", stage.command));
+            let memory = stage.peak_memory.map_or_else(String::new, |bytes| {
+                format!(", {:.0} MB", bytes as f64 / 1e6)
+            });
+            lines.push(format!("     took {:.2} s{memory}", stage.seconds));
             let changed = |output: &&TracedFile| output.state != FileState::Same;
             for output in stage.outputs.iter().filter(changed) {
                 lines.push(format!("     made {}{}", output.path, remark(output.state)));

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::content::Hasher;
-use crate::{FactKind, Graph, Ledger, Pipeline, PipelineError, Place};
+use crate::{FactKind, Graph, Pipeline, PipelineError, Place, Stage, ledger};
 
 /// What was found when all files were read again.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
@@ -12,8 +12,10 @@ pub struct Verification {
     pub compared: usize,
     /// Those that are not as they were.
     pub findings: Vec<Finding>,
-    /// Stages of the pipeline without a record of a finished run.
+    /// Stages of the pipeline that never ran.
     pub never_run: Vec<String>,
+    /// Stages whose last run was begun and did not end well: nothing is known of what lies in their outputs.
+    pub unfinished: Vec<String>,
 }
 
 /// An input or output that is not as the ledger says.
@@ -57,9 +59,14 @@ impl FileState {
     pub(crate) fn compare(
         path: &str,
         recorded: &str,
+        role: Role,
         hasher: &Hasher<'_>,
     ) -> Result<Self, PipelineError> {
-        Ok(match hasher.content(path)? {
+        let now = match role {
+            Role::Input => hasher.input(path)?,
+            Role::Output => hasher.content(path)?,
+        };
+        Ok(match now {
             None => Self::Missing,
             Some(content) if content == recorded => Self::Same,
             Some(_) => Self::Changed,
@@ -73,7 +80,7 @@ impl FileState {
 /// # Errors
 /// If the ledger or a file cannot be read.
 pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, PipelineError> {
-    let ledger = Ledger::read(&place.ledger, pipeline.name())?;
+    let ledger = ledger::load_at(place, pipeline.name())?.ledger;
     let hasher = Hasher::reading_all(&place.root);
     let mut compared = BTreeSet::new();
     let mut findings = Vec::new();
@@ -88,7 +95,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
         let inputs = inputs.map(|(path, content)| (Role::Input, path, content));
         for (role, path, content) in outputs.chain(inputs) {
             compared.insert(path.to_owned());
-            let state = FileState::compare(path, content, &hasher)?;
+            let state = FileState::compare(path, content, role, &hasher)?;
             if state != FileState::Same {
                 findings.push(Finding {
                     stage: record.stage.clone(),
@@ -114,10 +121,14 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
         }
     }
     let stages = pipeline.stages().iter();
-    let never_run = stages.filter(|stage| ledger.record_of(stage).is_none());
+    let (unfinished, never_run): (Vec<&Stage>, Vec<&Stage>) = stages
+        .filter(|stage| ledger.record_of(stage).is_none())
+        .partition(|stage| ledger.left.contains_key(&stage.key()));
+    let names = |stages: Vec<&Stage>| stages.iter().map(|stage| stage.name.clone()).collect();
     Ok(Verification {
         compared: compared.len(),
         findings,
-        never_run: never_run.map(|stage| stage.name.clone()).collect(),
+        never_run: names(never_run),
+        unfinished: names(unfinished),
     })
 }

@@ -326,3 +326,248 @@ fn a_file_that_no_run_made_is_not_handed_to_a_cluster() {
         "mine"
     );
 }
+
+/// A source, a copy of it with a word, and a copy of that.
+const COPIES: &str = "name = 'test'\n[params]\nword = 'x'\n\
+                      [[stage]]\nname = 'a'\ninputs = ['in.txt']\noutputs = ['a.txt']\n\
+                      cmd = ['sh', '-c', 'cat in.txt > a.txt; echo {word} >> a.txt']\n\
+                      [[stage]]\nname = 'b'\ninputs = ['a.txt']\noutputs = ['b.txt']\n\
+                      cmd = ['cp', 'a.txt', 'b.txt']\n";
+
+/// The project with a run whose two jobs have been accepted and wait.
+fn waiting() -> (tempfile::TempDir, Child) {
+    waiting_with(COPIES, 2)
+}
+
+/// The same of another pipeline, with so many jobs.
+fn waiting_with(text: &str, jobs: u32) -> (tempfile::TempDir, Child) {
+    let folder = project(text);
+    let path = folder.path();
+    fs::write(path.join("p/in.txt"), "1\n").unwrap();
+    fs::create_dir(path.join("p/data")).unwrap();
+    fs::write(path.join("p/data/1.txt"), "1\n").unwrap();
+    let last = format!("\"job\":\"{jobs}\",\"numbered\"");
+    fs::write(path.join("fake/hold"), "").unwrap();
+    let mut follower = start(path, "slurm", "w");
+    let noted = || fs::read_to_string(path.join("p/p.lock.jobs")).unwrap_or_default();
+    while !noted().contains(&last) {
+        assert!(follower.try_wait().unwrap().is_none(), "it follows");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    (folder, follower)
+}
+
+/// Lets the jobs run to their ends while nobody follows.
+fn run_unwatched(folder: &Path, mut follower: Child) {
+    follower.kill().unwrap();
+    follower.wait().unwrap();
+    fs::remove_file(folder.join("fake/hold")).unwrap();
+    while fs::read_dir(folder.join("fake/queue")).unwrap().count() > 0 {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn told(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&fs::read_to_string(folder.join("report.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn what_ended_unwatched_is_taken_over_unless_it_was_edited_since() {
+    for edited in [false, true] {
+        let (folder, follower) = waiting();
+        let path = folder.path();
+        run_unwatched(path, follower);
+        if edited {
+            fs::write(path.join("p/b.txt"), "1\nw\nby hand\n").unwrap();
+            let failed = report(path, "slurm", "w");
+            let failures = failed["failures"].as_array().unwrap();
+            assert_eq!(failures.len(), 1, "{failed}");
+            assert_eq!(failures[0]["cause"]["kind"], "outputs_changed");
+        }
+        let ran = report(path, "slurm", "w");
+        assert_eq!(ran["outcome"], "done", "{ran}");
+        let made = fs::read_to_string(path.join("p/b.txt")).unwrap();
+        assert_eq!(made, "1\nw\n");
+        let last = fs::read_to_string(path.join("fake/last")).unwrap();
+        assert_eq!(last, if edited { "3\n" } else { "2\n" });
+    }
+}
+
+#[test]
+fn jobs_that_wait_for_one_that_is_taken_back_are_taken_back_too() {
+    let (folder, follower) = waiting();
+    let path = folder.path();
+    fs::write(path.join("p/in.txt"), "2\n").unwrap();
+    run_unwatched(path, follower);
+    let ran = report(path, "slurm", "w");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    let made = fs::read_to_string(path.join("p/b.txt")).unwrap();
+    assert_eq!(made, "2\nw\n");
+    assert_eq!(fs::read_to_string(path.join("fake/last")).unwrap(), "4\n");
+}
+
+#[test]
+fn a_source_that_changes_while_its_job_waits_is_recorded_under_neither_content() {
+    let (folder, mut follower) = waiting();
+    let path = folder.path();
+    fs::write(path.join("p/in.txt"), "2\n").unwrap();
+    fs::remove_file(path.join("fake/hold")).unwrap();
+    follower.wait().unwrap();
+    let failed = told(path);
+    let cause = &failed["failures"][0]["cause"];
+    assert_eq!(cause["kind"], "inputs_changed", "{failed}");
+    assert_eq!(cause["paths"][0], "in.txt");
+    fs::write(path.join("p/in.txt"), "1\n").unwrap();
+    let ran = report(path, "slurm", "w");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    let made = fs::read_to_string(path.join("p/b.txt")).unwrap();
+    assert_eq!(made, "1\nw\n");
+}
+
+#[test]
+fn a_file_that_came_while_a_job_waited_is_told_and_stays_at_the_next_run_too() {
+    let (folder, mut follower) = waiting();
+    let path = folder.path();
+    fs::write(path.join("p/a.txt"), "mine").unwrap();
+    fs::remove_file(path.join("fake/hold")).unwrap();
+    follower.wait().unwrap();
+    for failed in [told(path), report(path, "slurm", "w")] {
+        let failure = &failed["failures"][0];
+        assert_eq!(failure["cause"]["kind"], "foreign", "{failed}");
+        assert_eq!(failed["stages"][1]["state"], "wanted", "{failed}");
+        assert!(failure["repeat"].is_null(), "{failed}");
+        let mine = fs::read_to_string(path.join("p/a.txt")).unwrap();
+        assert_eq!(mine, "mine");
+    }
+    fs::remove_file(path.join("p/a.txt")).unwrap();
+    let ran = report(path, "slurm", "w");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+}
+
+#[test]
+fn a_file_that_comes_while_a_shard_waits_is_not_taken_for_read() {
+    let text = "name = 'test'\n[params]\nword = 'x'\n[[stage]]\nname = 'a'\nshards = 1\n\
+                over = 'data/*.txt'\ncmd = ['sort', '-o', 'all.txt', '{files}']\n\
+                outputs = ['all.txt']\n";
+    let (folder, mut follower) = waiting_with(text, 1);
+    let path = folder.path();
+    fs::write(path.join("p/data/2.txt"), "2\n").unwrap();
+    fs::remove_file(path.join("fake/hold")).unwrap();
+    follower.wait().unwrap();
+    let failed = told(path);
+    let cause = &failed["failures"][0]["cause"];
+    assert_eq!(cause["kind"], "inputs_changed", "{failed}");
+    assert_eq!(cause["paths"][0], "data/2.txt");
+    let ran = report(path, "slurm", "w");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    let made = fs::read_to_string(path.join("p/all.txt")).unwrap();
+    assert_eq!(made, "1\n2\n");
+}
+
+#[test]
+fn a_file_that_came_while_a_job_waited_stays_however_the_job_ended() {
+    let lose = |path: &Path| fs::write(path.join("fake/lose"), "").unwrap();
+    for (end, next) in [
+        ("lost", "slurm"),
+        ("lost unwatched", "local"),
+        ("taken back", "slurm"),
+    ] {
+        let (folder, mut follower) = waiting();
+        let path = folder.path();
+        fs::write(path.join("p/a.txt"), "mine").unwrap();
+        match end {
+            "lost" => {
+                lose(path);
+                fs::remove_file(path.join("fake/hold")).unwrap();
+                follower.wait().unwrap();
+                let failed = told(path);
+                assert_eq!(
+                    failed["failures"][0]["cause"]["kind"], "job_lost",
+                    "{failed}"
+                );
+            }
+            "lost unwatched" => {
+                lose(path);
+                run_unwatched(path, follower);
+            }
+            _ => {
+                follower.kill().unwrap();
+                follower.wait().unwrap();
+                fs::write(path.join("p/in.txt"), "2\n").unwrap();
+            }
+        }
+        for _ in 0..2 {
+            let failed = report(path, next, "w");
+            let cause = &failed["failures"][0]["cause"];
+            assert_eq!(cause["kind"], "foreign", "{end}: {failed}");
+            let mine = fs::read_to_string(path.join("p/a.txt")).unwrap();
+            assert_eq!(mine, "mine", "{end}");
+        }
+    }
+}
+
+#[test]
+fn what_a_job_put_in_place_before_it_was_given_up_is_made_again_without_a_word() {
+    let (folder, follower) = waiting();
+    let path = folder.path();
+    run_unwatched(path, follower);
+    fs::write(path.join("p/in.txt"), "2\n").unwrap();
+    let ran = report(path, "local", "w");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    assert_eq!(ran["warnings"].as_array().unwrap().len(), 0, "{ran}");
+    let made = fs::read_to_string(path.join("p/b.txt")).unwrap();
+    assert_eq!(made, "2\nw\n");
+}
+
+#[test]
+fn a_file_that_is_put_into_a_folder_after_its_job_has_ended_is_moved_aside() {
+    let text = "name = 'test'\n[params]\nword = 'x'\n[[stage]]\nname = 'a'\n\
+                inputs = ['in.txt']\noutputs = ['out']\n\
+                cmd = ['sh', '-c', 'mkdir out; cp in.txt out/a.txt']\n";
+    let (folder, follower) = waiting_with(text, 1);
+    let path = folder.path();
+    run_unwatched(path, follower);
+    fs::write(path.join("p/out/notes.md"), "mine").unwrap();
+    let failed = report(path, "slurm", "w");
+    let cause = &failed["failures"][0]["cause"];
+    assert_eq!(cause["kind"], "outputs_changed", "{failed}");
+    let ran = report(path, "slurm", "w");
+    assert_eq!(ran["outcome"], "done", "{ran}");
+    let aside = ran["warnings"][0]["folders"][0].as_str().unwrap();
+    let moved = path.join("p").join(aside).join("out/notes.md");
+    assert_eq!(fs::read_to_string(moved).unwrap(), "mine");
+    assert!(!path.join("p/out/notes.md").exists());
+}
+
+#[test]
+fn outputs_that_are_links_are_as_the_job_made_them() {
+    let text = "name = 'test'\n[params]\nword = 'x'\n[[stage]]\nname = 'a'\n\
+                inputs = ['in.txt']\noutputs = ['out', 'latest', 'latest.txt']\n\
+                cmd = ['sh', '-c', 'mkdir out; cp in.txt out/a.txt; \
+                ln -s out latest; ln -s out/a.txt latest.txt']\n";
+    let folder = project(text);
+    let path = folder.path();
+    fs::write(path.join("p/in.txt"), "1\n").unwrap();
+    for state in ["done", "up_to_date"] {
+        let ran = report(path, "slurm", "w");
+        assert_eq!(ran["stages"][0]["state"], state, "{ran}");
+    }
+    assert!(path.join("p/latest").is_symlink());
+}
+
+#[test]
+fn of_several_outputs_those_in_the_way_are_named() {
+    let text = "name = 'test'\n[params]\nword = 'x'\n[[stage]]\nname = 'a'\n\
+                outputs = ['a.txt', 'out']\ncmd = ['sh', '-c', 'echo 1 > a.txt; mkdir out']\n";
+    let (folder, mut follower) = waiting_with(text, 1);
+    let path = folder.path();
+    fs::write(path.join("p/a.txt"), "mine").unwrap();
+    fs::create_dir(path.join("disk")).unwrap();
+    std::os::unix::fs::symlink("../disk", path.join("p/out")).unwrap();
+    fs::remove_file(path.join("fake/hold")).unwrap();
+    follower.wait().unwrap();
+    let failed = told(path);
+    let cause = &failed["failures"][0]["cause"];
+    assert_eq!(cause["kind"], "foreign", "{failed}");
+    assert_eq!(cause["paths"], serde_json::json!(["a.txt"]), "{failed}");
+}

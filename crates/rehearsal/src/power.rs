@@ -59,6 +59,8 @@ mod tests {
             p: Some(0.01),
             holm: true,
             p_outside: None,
+            unbounded: false,
+            why_not: None,
         };
         let studies: Vec<Studied> = (0..100)
             .map(|i| Studied {

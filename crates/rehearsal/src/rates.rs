@@ -243,18 +243,19 @@ fn families(studies: &[Studied]) -> Vec<FamilyRate> {
         .collect()
 }
 
-/// The smallest n at which a rate reaches `wanted`, by straight lines between the sizes tried (ascending); `None` beyond them.
+/// The smallest whole n at which a rate reaches `wanted`, by straight lines between the sizes tried (ascending); `None` beyond them.
 ///
 /// The first size tried, if the rate is reached there: it may need fewer.
-pub fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<f64> {
+pub fn n_for(curve: &[(usize, f64)], wanted: f64) -> Option<usize> {
     let index = curve.iter().position(|(_, rate)| *rate >= wanted)?;
     let (n, rate) = curve[index];
     if index == 0 {
-        return Some(n as f64);
+        return Some(n);
     }
     let (before, low) = curve[index - 1];
     let part = (wanted - low) / (rate - low);
-    Some(before as f64 + part * (n - before) as f64)
+    // What is a whole number but for rounding is that number.
+    Some(before + (part * (n - before) as f64 - 1e-9).ceil() as usize)
 }
 
 #[cfg(test)]
@@ -344,9 +345,11 @@ mod tests {
     #[test]
     fn the_size_needed_lies_between_those_tried() {
         let curve = [(12, 0.2), (24, 0.6), (48, 0.9)];
-        assert!((n_for(&curve, 0.8).unwrap() - 40.0).abs() < 1e-9);
+        assert_eq!(n_for(&curve, 0.8), Some(40));
+        // 12 + 12 · .01 / .4 = 12.3: twelve are too few.
+        assert_eq!(n_for(&curve, 0.21), Some(13));
         assert_eq!(n_for(&curve, 0.95), None);
-        assert_eq!(n_for(&curve, 0.1), Some(12.0));
+        assert_eq!(n_for(&curve, 0.1), Some(12));
     }
 
     fn run(world: &World, n: usize, studies: u64) -> Cell {

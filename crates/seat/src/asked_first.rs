@@ -110,7 +110,8 @@ async fn asks_to_leave_out(
         ("abort", "lab_abort", "lab_abort_help"),
         ("extend", "lab_extend", "lab_extend_help"),
     ];
-    let buttons = acts.map(|(act, name, help)| {
+    // A form each: Enter in one of its fields does what stands beside it, and nothing else.
+    let forms = acts.map(|(act, name, help)| {
         let minutes = match act {
             "extend" => {
                 "<input name=\"minutes\" type=\"number\" min=\"1\" max=\"120\" value=\"5\"> "
@@ -118,17 +119,15 @@ async fn asks_to_leave_out(
             _ => "",
         };
         format!(
-            "<p>{minutes}<button name=\"act\" value=\"{act}\">{}</button> {}</p>",
+            "<form method=\"post\"><input type=\"hidden\" name=\"act\" value=\"{act}\"><h2>{}</h2><p>{}</p>\
+             <p>{} {minutes}<button>{}</button></p></form>",
             say(name),
-            say(help)
+            say(help),
+            reason_field(&say("lab_reason")),
+            say(name)
         )
     });
-    let body = format!(
-        "<p>{}</p><form method=\"post\">{}{}</form>",
-        say("lab_step_help"),
-        reason_field(&say("lab_reason")),
-        buttons.concat()
-    );
+    let body = format!("<p>{}</p>{}", say("lab_step_help"), forms.concat());
     html_with_way_back(words, &say("lab_step_title"), &body)
 }
 

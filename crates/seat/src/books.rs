@@ -186,6 +186,18 @@ impl Books<'_> {
         )
     }
 
+    /// The sheet of a step as it is kept; none where nothing was answered.
+    pub(crate) fn answered(
+        &self,
+        participant: &str,
+        step: usize,
+    ) -> Result<Option<String>, SeatError> {
+        let question = "SELECT body FROM answer WHERE participant = ?1 AND step = ?2";
+        self.row(question, params![participant, whole(step)], |row| {
+            row.get(0)
+        })
+    }
+
     /// Every sheet of a person, in the order of the steps.
     pub(crate) fn answers(&self, participant: &str) -> Result<Vec<KeptSheet>, SeatError> {
         self.rows(

@@ -62,7 +62,7 @@ pub struct Exported {
 /// Writes the seat's study as static files into `folder`; what people give is sent to `post`, or handed over by them as a file.
 ///
 /// # Errors
-/// [`SeatError::Protocol`] for a `post` that is no address over https, or a folder that holds something else, or rides in somebody else's style
+/// [`SeatError::Protocol`] for a `post` that is no address over https, a folder that holds something else, what a server alone can do, or rides in somebody else's style
 /// where too few let theirs be lent; [`SeatError::Store`]; [`SeatError::Study`] if a file cannot be written.
 pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported, SeatError> {
     let settings: &SeatSettings = &seat.settings;
@@ -82,6 +82,12 @@ pub fn export(seat: &Seat, folder: &Path, post: Option<&str>) -> Result<Exported
         return Err(SeatError::cannot(
             "[protocol] `languages` lets people choose, and static files speak one language",
             "write `language` alone, and export once a language",
+        ));
+    }
+    if settings.design.protocol().withdraw_until.is_some() {
+        return Err(SeatError::cannot(
+            "by [protocol] `withdraw_until` people take back what they gave by their link, and static files give nobody one",
+            "leave it out, and say in the consent how and until when people can ask you to delete what they sent",
         ));
     }
     let holds = |name: &str| folder.join(name).exists();
@@ -160,7 +166,8 @@ enum Line {
     },
     Sheet {
         step: usize,
-        sheet: Sheet,
+        /// A [`Sheet`], read by itself: in a line of several kinds its numbered texts would not be taken.
+        sheet: serde_json::Value,
     },
     Drive {
         step: usize,
@@ -275,8 +282,13 @@ fn lines_of(path: &Path) -> Result<Vec<(usize, Line)>, SeatError> {
         return Err(bad(path, 1, problem));
     }
     let text = std::fs::read_to_string(path).map_err(io)?;
+    // An editor may have put a mark before it.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let parsed = (1..).zip(text.lines()).map(|(number, line)| {
-        let no_part = |_| bad(path, number, "no part of what the page hands over");
+        let no_part = |e: serde_json::Error| {
+            let problem = format!("no part of what the page hands over: {e}");
+            bad(path, number, problem)
+        };
         Ok((number, serde_json::from_str(line).map_err(no_part)?))
     });
     parsed.collect()
@@ -323,6 +335,8 @@ fn checked(
         };
         match line {
             Line::Sheet { step, sheet } => {
+                let sheet: Sheet =
+                    serde_json::from_value(sheet).map_err(|e| wrong(e.to_string()))?;
                 let kept = sheet.checked(step_at(step)?).map_err(wrong)?;
                 given.sheets.push((step, kept));
             }

@@ -6,7 +6,7 @@ use crate::{
     lent::rows_of,
     listed::{KeptSheet, Listed},
     person::Person,
-    sheet::Sheet,
+    sheet::{Sheet, is_text},
     steps::{Act, STOPPED, Step, TICKS_PER_S},
     tables::{Given, Standing},
 };
@@ -142,7 +142,9 @@ impl Books<'_> {
             {
                 events.push(row(language));
             }
-            for kept in sheets.iter().filter(|kept| kept.step == step) {
+            // What was answered during a ride is among what happened in it: nobody was on a page.
+            let on_page = |kept: &&KeptSheet| kept.step == step && found.drives().is_none();
+            for kept in sheets.iter().filter(on_page) {
                 let sheet = kept.sheet();
                 if let (
                     Step::Aftercare {
@@ -221,7 +223,8 @@ impl Books<'_> {
                 let chunk = serde_json::from_str::<Chunk>(&line).unwrap_or_default();
                 events.extend(chunk.events.iter().map(|event| EventRow {
                     value: event.points,
-                    ..of_drive(&event.what, event.tick)
+                    // Such as the name of a device, as it calls itself.
+                    ..of_drive(&event.what.replace(|c: char| !is_text(c), ""), event.tick)
                 }));
             }
             let in_time = (begun.ticks as f64) < seconds * TICKS_PER_S;

@@ -156,7 +156,7 @@ impl SeatError {
             ),
             Self::Nobody { nearest, .. } => {
                 Some(nearest.as_ref().map_or_else(
-                    || "nobody was let in yet: look into the table of people".to_owned(),
+                    || "the ids are those on /lab and in the table of people".to_owned(),
                     |nearest| format!("did you mean `{nearest}`? ids are case-sensitive"),
                 ))
             }

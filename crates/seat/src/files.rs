@@ -87,7 +87,7 @@ impl Files {
         }
         if !place.people.exists() {
             let (people, nobody) = (&place.people, &mut Standing::default());
-            tables::write_people(people, &place.study.design, (&[], false), nobody)?;
+            tables::write_people(people, &place.study.design, (&[], &[], false), nobody)?;
             place.people_made = true;
         }
         Ok(())
@@ -332,11 +332,12 @@ impl Files {
         Ok(())
     }
 
-    /// Adds people and answers to the study's tables that are not in them yet; what stands there then.
-    pub(crate) fn write(&self, given: &[Given]) -> Result<Standing, SeatError> {
+    /// Adds people and answers to the study's tables that are not in them yet, and takes the rows of those `without` out of the table of
+    /// people; what stands there then.
+    pub(crate) fn write(&self, given: &[Given], without: &[String]) -> Result<Standing, SeatError> {
         let mut standing = Standing::default();
         if let Some(place) = &self.0 {
-            let people = (given, place.people_made);
+            let people = (given, without, place.people_made);
             tables::write_people(&place.people, &place.study.design, people, &mut standing)?;
             tables::write_answers(&place.answers, given, &mut standing)?;
         }

@@ -230,6 +230,9 @@ impl Seat {
                 beyond_in_words(why)
             ));
         }
+        if learned.beyond.is_none() && learned.readings == 0 {
+            outcome.tell("no style was learned of it: where a ride begins from the person's own, it begins from the average driver's");
+        }
         outcome.style = serde_json::to_string(&learned).ok();
         let Some(page) = person.style() else {
             return;
@@ -272,7 +275,7 @@ fn probes_of(step: &Step, record: &Record) -> Option<String> {
     serde_json::to_string(&sheet).ok()
 }
 
-/// What is said of a ride in a style that was learned of a drive beyond what the model has learned from.
+/// What is said of a ride in a style that was learned of a drive beyond what the model has learned from, or of one that showed nothing.
 fn mark(person: &Person, step: &Step) -> Option<String> {
     let Step::Ride { style, lent, .. } = step else {
         return None;
@@ -284,10 +287,20 @@ fn mark(person: &Person, step: &Step) -> Option<String> {
     if !theirs && lent.is_none() {
         return None;
     }
-    let why = beyond_in_words(&person.beyond()?);
-    Some(format!(
-        "the car has a style that says little of this person, whose drive by hand {why}"
-    ))
+    let is_lent = lent.is_some() || matches!(style, RideStyle::Lent { .. });
+    let fit = person.style()?;
+    let nothing = if is_lent {
+        "the car has somebody else's style, drawn as for the average driver: none was learned of this person's drive by hand"
+    } else {
+        "the car has the average driver's style, moved as the condition says: none was learned of this person's drive by hand"
+    };
+    match &fit.beyond {
+        Some(why) => Some(format!(
+            "the car has a style that says little of this person, whose drive by hand {}",
+            beyond_in_words(why)
+        )),
+        None => (fit.readings == 0).then(|| nothing.to_owned()),
+    }
 }
 
 /// What happened in a drive, by how it begins.
@@ -417,6 +430,18 @@ mod tests {
         let text = mark(&person, &ride(RideStyle::Own)).unwrap();
         assert!(text.contains("the scale does not have"), "{text}");
         assert_eq!(mark(&person, &ride(RideStyle::Mean)), None);
+        let nothing = r#"{"embedding":[0.0],"covariance":null,"score":null,"readings":0}"#;
+        person.fit = Some(nothing.to_owned());
+        let text = mark(&person, &ride(RideStyle::Own)).unwrap();
+        assert!(text.contains("the average driver's style"), "{text}");
+        assert_eq!(mark(&person, &ride(RideStyle::Mean)), None);
+        let lent = RideStyle::Lent {
+            apart_sd: [1.0, 3.0],
+            seed: maveric_seat_page::Seed(1),
+            withheld: std::collections::BTreeSet::new(),
+        };
+        let text = mark(&person, &ride(lent)).unwrap();
+        assert!(text.contains("somebody else's style"), "{text}");
     }
 
     #[test]

@@ -3,10 +3,11 @@
 use crate::{
     books::{Books, now, whole},
     error::SeatError,
-    person::Person,
+    person::{Person, lets_in},
     seat::Seat,
     steps::{Act, Step},
 };
+use maveric_domain::Moment;
 use maveric_seat_page::RideStyle;
 use rusqlite::params;
 
@@ -73,8 +74,6 @@ impl Books<'_> {
 
 /// Why this cannot be done with the step at which somebody is; none where it can.
 fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
-    let first =
-        |step: &Step| step.rules().is_some() || matches!(step, Step::Text { agree: true, .. });
     let ride_needs_fit = |step: &Step| {
         let needs_fit = |style: &RideStyle| !matches!(style, RideStyle::Mean | RideStyle::Given(_));
         matches!(step, Step::Ride { style, .. } if needs_fit(style))
@@ -82,7 +81,7 @@ fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
     let mut ahead = person.steps.iter().skip(person.at);
     match (act, ahead.clone().next()) {
         (_, None | Some(Step::Thanks { .. })) => Some("this is the end"),
-        (Act::Skip, Some(step)) if first(step) => {
+        (Act::Skip, Some(step)) if lets_in(step) => {
             Some("nobody goes on who was not admitted and has not agreed")
         }
         (Act::Skip, Some(step))
@@ -91,7 +90,7 @@ fn hindrance(person: &Person, act: Act) -> Option<&'static str> {
             Some("the rides need the style that is learned of this drive")
         }
         (Act::Skip, _) => None,
-        (Act::Abort, _) if ahead.clone().any(first) => {
+        (Act::Abort, _) if ahead.clone().any(lets_in) => {
             Some("somebody who has not agreed yet has nothing to be aborted")
         }
         (Act::Abort, _) => {
@@ -136,12 +135,36 @@ impl Seat {
             there(b, participant, step)?;
             b.leave_out(participant, step, &what)?;
             b.event(Some(participant), &format!("step {}: {what}", step + 1))?;
-            match act {
-                Act::Skip => b.go_on(&person, step),
-                Act::Abort => b.stop(&person, step),
+            if act == Act::Abort {
+                return b.stop(&person, step);
             }
+            b.go_on(&person, step)?;
+            // Nobody is asked about a ride of which there was nothing.
+            if b.begun(participant, step)?
+                .iter()
+                .all(|begun| begun.set_aside)
+            {
+                for asked in step + 1..step + 1 + asked_after(&person.steps, step) {
+                    b.leave_out(participant, asked, &what)?;
+                    b.go_on(&person, asked)?;
+                }
+            }
+            Ok(())
         })
     }
+}
+
+/// How many sheets are asked about the ride of a step, right after it.
+fn asked_after(steps: &[Step], step: usize) -> usize {
+    let ride = steps.get(step).and_then(Step::ridden);
+    let about = |step: &&Step| match step {
+        Step::Scale {
+            moment: Moment::After(of),
+            ..
+        } => Some(*of) == ride,
+        _ => false,
+    };
+    steps.iter().skip(step + 1).take_while(about).count()
 }
 
 /// A reason, which the experimenter gives for everything that is done with a person's steps.

@@ -41,6 +41,14 @@ impl Books<'_> {
         Ok(row)
     }
 
+    /// Whether somebody takes part: they opened their link, or handed over what they gave, were admitted and agreed. Nobody else stands in
+    /// the study's tables.
+    pub(crate) fn takes_part(&self, person: &Person) -> Result<bool, SeatError> {
+        let question = "SELECT tab IS NOT NULL FROM person WHERE token = ?1";
+        let opened = self.row(question, [&person.token], |row| row.get(0))?;
+        Ok(person.is_let_in() && (person.at > 0 || opened == Some(true)))
+    }
+
     fn give_row(&self, person: &Person, row: usize) -> Result<(), SeatError> {
         self.change(
             "UPDATE person SET row = ?2 WHERE token = ?1",

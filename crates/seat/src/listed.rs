@@ -42,8 +42,28 @@ pub(crate) struct KeptSheet {
 }
 
 impl KeptSheet {
-    /// What was answered: only what was checked was kept.
+    /// What was answered: only what was checked was kept, by an older program with any character.
     pub(crate) fn sheet(&self) -> Option<Sheet> {
-        serde_json::from_str(&self.body).ok()
+        let mut sheet: Sheet = serde_json::from_str(&self.body).ok()?;
+        sheet.keep_text_alone();
+        Some(sheet)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_text_that_an_older_program_kept_only_what_can_be_read_is_given() {
+        let kept = |body: &str| KeptSheet {
+            step: 0,
+            body: body.to_owned(),
+            given: 0,
+            listed: Listed::NotYet,
+        };
+        let sheet = kept(r#"{"texts":{"1":"a\u0000b\nc"},"seconds":3}"#).sheet();
+        assert_eq!(sheet.unwrap().texts[&1], "ab\nc");
+        assert!(kept("damaged").sheet().is_none());
     }
 }

@@ -12,7 +12,7 @@ use crate::{
     steps::{DEVICE_GONE, TICKS_PER_S},
     words::Words,
 };
-use maveric_seat_page::Chunk;
+use maveric_seat_page::{Chunk, Fit};
 use maveric_study::beyond_in_words;
 use std::fmt::Write as _;
 
@@ -218,10 +218,13 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
             )
         });
     }
-    let beyond = style_kept(there.fit.as_deref()).and_then(|style| style.beyond);
-    let beyond = beyond.map_or_else(String::new, |why| {
-        words.plain("lab_beyond", &[("why", &beyond_in_words(&why))])
-    });
+    let beyond = match style_kept(there.fit.as_deref()) {
+        Some(Fit {
+            beyond: Some(why), ..
+        }) => words.plain("lab_beyond", &[("why", &beyond_in_words(&why))]),
+        Some(Fit { readings: 0, .. }) => say("no_style"),
+        _ => String::new(),
+    };
     let rides: Vec<String> = known.rides.iter().map(|ride| plain(ride)).collect();
     let (link, who) = (format!("/p/{}", there.token), plain(&known.participant));
     // Whoever began came.
@@ -296,6 +299,18 @@ mod tests {
             marked.contains("<td>beyond what the model has met: shows a style"),
             "{marked}"
         );
+        // Nothing was learned: the style is the average driver's.
+        let fit = r#"{"embedding":[0.0],"covariance":null,"score":null,"readings":0}"#;
+        for (readings, nothing) in [("0", true), ("3", false)] {
+            let fit = fit.replace("\"readings\":0", &format!("\"readings\":{readings}"));
+            there.fit = Some(fit);
+            let marked = row(&known(Vec::new()), &there, &Words::default());
+            assert_eq!(
+                marked.contains("<td>No style was learned"),
+                nothing,
+                "{marked}"
+            );
+        }
     }
 
     #[test]

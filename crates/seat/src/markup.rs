@@ -1,6 +1,6 @@
 //! Pages that the server writes itself, and the forms in them.
 
-use crate::{assets, words::Words};
+use crate::{assets, sheet::is_text, words::Words};
 use axum::{
     http::{StatusCode, header},
     response::{IntoResponse, Response},
@@ -25,7 +25,7 @@ pub(crate) fn html_with_way_back(words: &Words, heading: &str, body: &str) -> Re
     html(words, &body)
 }
 
-/// A field of a form, as browsers encode it.
+/// A field of a form, as browsers encode it, less what is no text.
 pub(crate) fn form_field(body: &[u8], name: &str) -> Option<String> {
     let text = std::str::from_utf8(body).ok()?;
     let field = text
@@ -43,7 +43,9 @@ pub(crate) fn form_field(body: &[u8], name: &str) -> Option<String> {
             plain => plain,
         });
     }
-    String::from_utf8(bytes).ok()
+    let mut text = String::from_utf8(bytes).ok()?;
+    text.retain(is_text);
+    Some(text)
 }
 
 /// Back to the experimenter's page.
@@ -61,5 +63,6 @@ mod tests {
         assert_eq!(given("password=a%26b+c").as_deref(), Some("a&b c"));
         assert_eq!(given("other=1&password=x").as_deref(), Some("x"));
         assert_eq!(given("password=%zz"), None);
+        assert_eq!(given("password=a%00b%0D%0Ac").as_deref(), Some("ab\nc"));
     }
 }

@@ -1,7 +1,7 @@
 //! Somebody with a link: their steps, and how far they have come.
 
 use crate::{listed::Listed, steps::Step};
-use maveric_domain::{BeyondWhy, Occasion, survey::Kind};
+use maveric_domain::{Occasion, survey::Kind};
 use maveric_seat_page::Fit;
 use serde_json::{Value, json};
 
@@ -15,6 +15,11 @@ pub(crate) const NOT_ADMITTED: &str = "not admitted";
 
 /// How the part of somebody ended whom nobody waits for any more.
 pub(crate) const NEVER_CAME: &str = "never came";
+
+/// Whether nobody takes part before they went past this step: it is judged here, or agreed to.
+pub(crate) fn lets_in(step: &Step) -> bool {
+    step.rules().is_some() || matches!(step, Step::Text { agree: true, .. })
+}
 
 /// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,11 +60,11 @@ impl Person {
         matches!(self.ended.as_deref(), None | Some("done"))
     }
 
-    /// Whether they take part: nobody does before they were judged.
-    pub(crate) fn is_admitted(&self) -> bool {
-        let ahead = self.steps.iter().skip(self.at);
-        self.ended.as_deref() != Some(NOT_ADMITTED)
-            && !ahead.into_iter().any(|step| step.rules().is_some())
+    /// Whether they were admitted and agreed, where people are judged and asked.
+    pub(crate) fn is_let_in(&self) -> bool {
+        let mut ahead = self.steps.iter().skip(self.at);
+        let gone = matches!(self.ended.as_deref(), Some(NOT_ADMITTED | NEVER_CAME));
+        !gone && !ahead.any(lets_in)
     }
 
     /// The conditions that they ride, in their order: that of each round of rides.
@@ -82,11 +87,6 @@ impl Person {
     /// What was learned of their drive; none before that.
     pub(crate) fn style(&self) -> Option<Fit> {
         style_kept(self.fit.as_deref())
-    }
-
-    /// Why the drive that their style was learned of is beyond what the model has learned from; none where it is not.
-    pub(crate) fn beyond(&self) -> Option<BeyondWhy> {
-        self.style()?.beyond
     }
 
     pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {

@@ -63,6 +63,8 @@ pub(crate) enum Refused {
     NotThis(String),
     /// Another tab has the page.
     OtherTab,
+    /// The step of this place was answered before, otherwise: by a page in another browser.
+    AnsweredBefore(usize),
     /// It can no longer be done.
     TooLate(String),
     /// Our own fault.
@@ -93,6 +95,14 @@ impl IntoResponse for Refused {
                 StatusCode::CONFLICT,
                 "other-tab",
                 "this study is open in another tab".to_owned(),
+            ),
+            Self::AnsweredBefore(step) => (
+                StatusCode::CONFLICT,
+                "other-tab",
+                format!(
+                    "step {} was answered before, with other answers: the first are kept",
+                    step + 1
+                ),
             ),
             Self::TooLate(why) => (StatusCode::FORBIDDEN, "too-late", why),
             Self::Failed(error) => {
@@ -183,6 +193,7 @@ mod tests {
         let not_this = Refused::NotThis("step 3".to_owned());
         assert_eq!(lasting(not_this), word("not-this"));
         assert_eq!(lasting(Refused::OtherTab), word("other-tab"));
+        assert_eq!(lasting(Refused::AnsweredBefore(3)), word("other-tab"));
         let too_late = Refused::TooLate("until yesterday".to_owned());
         assert_eq!(lasting(too_late), word("too-late"));
         let full = SeatError::Unfinished {

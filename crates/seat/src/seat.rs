@@ -222,6 +222,15 @@ impl Seat {
         Withdrawal::new(self.settings.design.protocol().withdraw_until.as_deref())
     }
 
+    /// What to know before somebody is let in whose consent names a last day for taking back that is over; none where it is not.
+    pub fn withdrawal_over(&self) -> Option<String> {
+        let Withdrawal { until, open } = self.withdrawal();
+        let until = until.filter(|_| !open)?;
+        Some(format!(
+            "[protocol] `withdraw_until` was {until}: whoever agrees now cannot take anything back after the end"
+        ))
+    }
+
     /// Closes the seat: whoever serves it ends.
     pub(crate) fn stop(&self) {
         self.stopping.store(true, Ordering::Relaxed);
@@ -316,22 +325,35 @@ impl Seat {
             return Ok(());
         }
         let answered = self.asked.load(Ordering::SeqCst);
-        let (given, not_admitted, not_agreed) = self.store.look(|b| {
-            let people = b.everybody()?.into_iter().filter(Person::is_admitted);
-            let with_answers = |person: Person| {
-                let answers = b.answers(&person.participant)?;
-                Ok((person, answers))
-            };
-            let given: Vec<_> = people.map(with_answers).collect::<Result<_, SeatError>>()?;
-            Ok::<_, SeatError>((given, b.not_admitted()?, b.not_agreed()?))
+        let (given, listed_before, not_admitted, not_agreed) = self.store.look(|b| {
+            let (mut given, mut listed_before) = (Vec::new(), Vec::new());
+            for person in b.everybody()? {
+                if b.takes_part(&person)? {
+                    let answers = b.answers(&person.participant)?;
+                    given.push((person, answers));
+                } else if person.listed == Listed::Written && person.ended.is_some() {
+                    // An older program wrote whoever had a link.
+                    listed_before.push(person.participant);
+                }
+            }
+            Ok::<_, SeatError>((given, listed_before, b.not_admitted()?, b.not_agreed()?))
         })?;
         let files = &self.settings.files;
         files.held_back(&not_admitted, &not_agreed)?;
         self.store.look(|b| files.ended(b))?;
-        if !given.is_empty() {
-            let listed = files.write(&given)?;
-            self.store
-                .within(|b| self.keep_listed(b, &given, &listed))?;
+        if !given.is_empty() || !listed_before.is_empty() {
+            let listed = files.write(&given, &listed_before)?;
+            self.store.within(|b| {
+                for who in &listed_before {
+                    b.list_person(who, Listed::NotYet)?;
+                    let table = files.name_of_people();
+                    let text = format!(
+                        "taken out of {table}: their part ended before they had agreed to it"
+                    );
+                    b.event(Some(who), &text)?;
+                }
+                self.keep_listed(b, &given, &listed)
+            })?;
             let before = files.events();
             let people = (&given[..], &listed);
             let collected = self

@@ -12,7 +12,7 @@ use crate::{
     refusals::Refusals,
     request::{Answered, Refused, Shared, json, read},
     seat::Seat,
-    sheet::Sheet,
+    sheet::{Sheet, say_the_same},
     steps::{self, Step},
     token, unnamed,
     wire::Wire,
@@ -334,8 +334,15 @@ async fn answer(
                 b.judge((&person, step), &rules, refused)?;
                 true
             } else {
-                b.answer(&person, step, &kept)?;
-                b.feels_again(&person, &found, &kept)?;
+                match b.answered(&person.participant, step)? {
+                    // The reply was lost, or another browser with the same link says the same.
+                    Some(before) if say_the_same(&before, &kept) => {}
+                    Some(_) => return Err(Refused::AnsweredBefore(step)),
+                    None => {
+                        b.answer(&person, step, &kept)?;
+                        b.feels_again(&person, &found, &kept)?;
+                    }
+                }
                 false
             };
             Ok::<_, Refused>((b.somebody(&token)?, judged))

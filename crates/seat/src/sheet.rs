@@ -6,6 +6,7 @@ use crate::{
 };
 use maveric_domain::survey::Kind;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// Most characters that somebody may write into one field.
@@ -44,6 +45,7 @@ impl Sheet {
     /// The sheet as it is kept, if it is what the step asks: what is wrong with it otherwise.
     pub(crate) fn checked(mut self, found: &Step) -> Result<String, String> {
         (self.text_sha256, self.probes) = (None, Vec::new());
+        self.keep_text_alone();
         if !(0.0..1e6).contains(&self.seconds) {
             return Err(format!("seconds {}", self.seconds));
         }
@@ -82,6 +84,13 @@ impl Sheet {
         serde_json::to_string(&self).map_err(|e| e.to_string())
     }
 
+    /// Leaves out of what was written the characters that only a machine reads.
+    pub(crate) fn keep_text_alone(&mut self) {
+        for text in self.texts.values_mut() {
+            text.retain(is_text);
+        }
+    }
+
     /// Whether these are answers to the items.
     fn fits(&self, items: &[Asked]) -> Result<(), String> {
         let n = items.len();
@@ -107,6 +116,22 @@ impl Sheet {
         }
         Ok(())
     }
+}
+
+/// Whether two sheets that are kept say the same, however long each took.
+pub(crate) fn say_the_same(one: &str, other: &str) -> bool {
+    let answers = |kept: &str| {
+        let mut sheet: Map<String, Value> = serde_json::from_str(kept).ok()?;
+        sheet.remove("seconds");
+        Some(sheet)
+    };
+    one == other || answers(one).is_some_and(|sheet| answers(other) == Some(sheet))
+}
+
+/// Whether a character is kept of what people write: of those that only a machine reads, such as a zero byte, with which no table could
+/// be read any more, a new line and a tab.
+pub(crate) fn is_text(letter: char) -> bool {
+    !letter.is_control() || matches!(letter, '\n' | '\t')
 }
 
 #[cfg(test)]
@@ -138,6 +163,18 @@ mod tests {
         assert!(early.contains("59 s, expected 60 s"), "{early}");
         assert!(rested("{\"seconds\":60,\"answers\":[1]}").is_err());
         assert!(rested("{\"seconds\":60,\"agreed\":true}").is_err());
+    }
+
+    #[test]
+    fn sheets_say_the_same_whose_answers_are_whatever_time_they_took() {
+        let kept = |answers: &str, seconds: f64| {
+            let body = format!("{{\"answers\":{answers},\"seconds\":{seconds}}}");
+            checked(&body).unwrap()
+        };
+        let first = kept("[95,2,18,null]", 3.0);
+        assert!(say_the_same(&first, &kept("[95,2,18,null]", 7.5)));
+        assert!(!say_the_same(&first, &kept("[95,1,18,null]", 3.0)));
+        assert!(!say_the_same(&first, "damaged"));
     }
 
     #[test]
@@ -174,6 +211,9 @@ mod tests {
             let error = checked(&body).err().unwrap();
             assert!(error.contains(said), "{answers}: {error}");
         }
+        let body = r#"{"answers":[null,null,null,null],"texts":{"4":"a\u0000b\r\n\tc\u2028"},"seconds":3}"#;
+        let kept: Sheet = serde_json::from_str(&checked(body).unwrap()).unwrap();
+        assert_eq!(kept.texts[&4], "ab\n\tc\u{2028}");
         let long = "x".repeat(LONGEST_TEXT + 1);
         let body = format!(
             "{{\"answers\":[null,null,null,null],\"texts\":{{\"4\":\"{long}\"}},\"seconds\":3}}"

@@ -120,7 +120,7 @@ pub(crate) fn write_answers(
                 .map_or(moment.clone(), |m| moment_word(m).to_owned());
         }
     }
-    merge(path, &columns, &rows)
+    merge(path, &columns, (&rows, &[]))
 }
 
 /// Columns that tables of before have not.
@@ -199,11 +199,11 @@ fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row
         .collect()
 }
 
-/// Adds to the table of people who is not in it yet; who was taken out by hand stays out.
+/// Adds to the table of people who is not in it yet, and takes out whoever is `without`; who was taken out by hand stays out.
 pub(crate) fn write_people(
     path: &Path,
     design: &Design,
-    (given, made): (&[Given], bool),
+    (given, without, made): (&[Given], &[String], bool),
     standing: &mut Standing,
 ) -> Result<(), SeatError> {
     let known = people_in(path)?;
@@ -221,7 +221,7 @@ pub(crate) fn write_people(
             rows.push(row(design, person));
         }
     }
-    merge(path, &columns, &rows)
+    merge(path, &columns, (&rows, without))
 }
 
 fn row(design: &Design, person: &Person) -> Row {
@@ -238,8 +238,13 @@ fn row(design: &Design, person: &Person) -> Row {
     row
 }
 
-/// Writes a table: what stands there with every column that it has and those that are wanted, each once; then `added`.
-fn merge(path: &Path, wanted: &[&str], added: &[Row]) -> Result<(), SeatError> {
+/// Writes a table: what stands there of all but those `without`, with every column that it has and those that are wanted, each once; then
+/// `added`.
+fn merge(
+    path: &Path,
+    wanted: &[&str],
+    (added, without): (&[Row], &[String]),
+) -> Result<(), SeatError> {
     let standing = path.is_file().then(|| Table::read(path)).transpose()?;
     let mut columns = standing.as_ref().map_or_else(Vec::new, Table::columns);
     for column in wanted {
@@ -247,20 +252,27 @@ fn merge(path: &Path, wanted: &[&str], added: &[Row]) -> Result<(), SeatError> {
             columns.push((*column).to_owned());
         }
     }
-    let rows = match &standing {
-        Some(table) => table.text("participant")?.len(),
-        None => 0,
+    let people = match &standing {
+        Some(table) => table.text("participant")?,
+        None => Vec::new(),
     };
+    let goes = |who: &String| without.contains(who);
+    let stays: Vec<bool> = people
+        .iter()
+        .map(|who| !who.as_ref().is_some_and(goes))
+        .collect();
     let mut table = TableBuilder::default();
     for column in &columns {
         let before = match &standing {
             Some(there) if there.has(column) => there.text(column)?,
-            _ => vec![None; rows],
+            _ => vec![None; stays.len()],
         };
+        let before = before.into_iter().zip(&stays);
+        let before = before.filter(|(_, stays)| **stays).map(|(cell, _)| cell);
         let new = added
             .iter()
             .map(|row| row.get(column).filter(|c| !c.is_empty()).cloned());
-        table = table.cells(column, before.into_iter().chain(new));
+        table = table.cells(column, before.chain(new));
     }
     Ok(table.write(path)?)
 }
@@ -312,11 +324,17 @@ mod tests {
             ("participant".to_owned(), "P003".to_owned()),
             ("order".to_owned(), "calm sporty".to_owned()),
         ]);
-        merge(&path, &["participant", "order"], &[new]).unwrap();
+        let wanted = ["participant", "order"];
+        merge(&path, &wanted, (&[new], &[])).unwrap();
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             "participant,age,note,order\nX1,31,\"a, b\",\nP002,50,z,\nP003,,,calm sporty\n"
         );
         assert_eq!(people_in(&path).unwrap().len(), 3);
+        merge(&path, &wanted, (&[], &["P002".to_owned()])).unwrap();
+        assert_eq!(
+            std::fs::read_to_string(&path).unwrap(),
+            "participant,age,note,order\nX1,31,\"a, b\",\nP003,,,calm sporty\n"
+        );
     }
 }

@@ -7,7 +7,7 @@ mod support;
 use std::fs;
 use support::{
     Server, TAB, entered, lab_post, one_person, read, replies,
-    script::{driven, finish, go_on, piece, until},
+    script::{driven, finish, go_on, here, piece, until},
     tells,
 };
 
@@ -37,6 +37,13 @@ fn a_ride_that_is_skipped_is_kept_as_far_as_it_went_and_left_out_by_name_and_the
         &[("Cookie", &entered(&server))],
     );
     tells(&asks, &[&format!("Step {} of P001", ride + 1)]);
+    // A form each: Enter in a field of one does nothing of another.
+    for act in ["skip", "repeat", "abort", "extend"] {
+        let begins =
+            format!("<form method=\"post\"><input type=\"hidden\" name=\"act\" value=\"{act}\">");
+        assert_eq!(asks.matches(&begins).count(), 1, "{asks}");
+    }
+    assert_eq!(asks.matches("name=\"act\"").count(), 4, "{asks}");
     assert_eq!(act(&server, ride, "skip", "the+wheel+came+loose").0, 303);
     assert_eq!(server.state(&token)["at"], ride + 1);
     // The page that drives is told so, and asks where it is.
@@ -156,5 +163,28 @@ fn what_nobody_goes_on_without_is_not_skipped_and_a_skipped_sheet_takes_no_answe
     assert!(
         !folder.path().join("seat/stopped.csv").exists(),
         "nothing of the analysis was left out"
+    );
+}
+
+#[test]
+fn nobody_is_asked_about_a_ride_that_was_skipped_before_it_began() {
+    let (folder, server, token) = one_person();
+    let (ride, _) = until(&server, &token, "ride");
+    assert_eq!(act(&server, ride, "skip", "no+picture").0, 303);
+    let (at, next) = here(&server, &token);
+    assert_eq!((at, next["kind"].as_str()), (ride + 2, Some("ride")));
+    let late = format!("/api/{token}/answer/{}", ride + 1);
+    let answers = r#"{"answers":[4,null],"seconds":6}"#;
+    assert_eq!(server.post(&late, answers).0, 410);
+    finish(&server, &token);
+    let surveys = read(folder.path(), "surveys/answers.csv");
+    assert!(
+        !surveys.contains("P001,calm,") && surveys.contains("P001,sporty,"),
+        "{surveys}"
+    );
+    let stopped = read(folder.path(), "seat/stopped.csv");
+    assert!(
+        stopped.ends_with("\nP001,calm,0.0,skipped: no picture\n"),
+        "{stopped}"
     );
 }

@@ -182,20 +182,75 @@ fn an_order_that_the_square_does_not_have_takes_no_row_from_anybody() {
         "[[condition]]\nid = \"mean\"\ncar = { mean = true, recorded = true }\n[[condition]]\nid = \"own_style\"\ncar = { dial = 0, recorded = true }\n[baseline]",
     );
     let folder = folder_of(&four);
-    let seat = open(folder.path()).unwrap();
+    let server = Server::open(folder.path());
     let order = Some("calm sporty mean own_style".to_owned());
     let invitation = Invitation {
         order,
         ..Invitation::default()
     };
-    seat.invite(&invitation).unwrap();
-    seat.let_in().unwrap();
+    let token = server.seat.invite(&invitation).unwrap();
+    server.seat.let_in().unwrap();
     assert_eq!(rows(folder.path()), [None, Some(0)]);
-    seat.write_files().unwrap();
+    assert!(go_on(&server, &token));
+    server.seat.write_files().unwrap();
     let listed = read(folder.path(), "participants.csv");
     tells(&listed, &["P001,2,calm sporty mean own_style\n"]);
     // Nor when the seat is opened again.
-    drop(seat);
+    drop(server);
     open(folder.path()).unwrap();
     assert_eq!(rows(folder.path()), [None, Some(0)]);
+}
+
+#[test]
+fn whoever_never_came_or_did_not_agree_is_in_no_table_and_a_row_that_an_older_seat_wrote_goes() {
+    let folder = folder();
+    let table = || read(folder.path(), "participants.csv");
+    let server = Server::open(folder.path());
+    let links: Vec<String> = (0..4).map(|_| opened(&server)).collect();
+    // P001 agrees, P002 leaves where they are to agree, P003 never comes, P004 reads still, and nobody opens the link of P005.
+    server.seat.let_in().unwrap();
+    assert!(go_on(&server, &links[0]));
+    let leave = format!("/api/{}/leave", links[1]);
+    assert_eq!(server.post(&leave, r#"{"keep":true}"#).0, 200);
+    assert_eq!(lab_post(&server, "/lab/never/P003", "").0, 303);
+    drop(server);
+    drop(open(folder.path()).unwrap());
+    assert_eq!(table(), "participant,study,order\nP001,2,calm sporty\n");
+    for name in ["seat/events.csv", "seat/consents.csv"] {
+        let text = read(folder.path(), name);
+        let others = ["P002", "P003", "P004", "P005"];
+        assert!(text.contains("P001"), "{text}");
+        assert!(others.iter().all(|who| !text.contains(who)), "{text}");
+    }
+    // An older seat had written them all, and somebody their ages.
+    let state = Connection::open(folder.path().join("seat/seat.db")).unwrap();
+    state.execute("UPDATE person SET listed = 1", []).unwrap();
+    drop(state);
+    let older = "participant,study,order,age\nP001,2,calm sporty,31\nP002,2,sporty calm,\nP003,2,calm sporty,\nP004,2,sporty calm,40\n";
+    fs::write(folder.path().join("participants.csv"), older).unwrap();
+    for _ in 0..2 {
+        drop(open(folder.path()).unwrap());
+        assert_eq!(
+            table(),
+            "participant,study,order,age\nP001,2,calm sporty,31\nP004,2,sporty calm,40\n"
+        );
+    }
+    let state = Connection::open(folder.path().join("seat/seat.db")).unwrap();
+    let told = |who: &str| {
+        let question = "SELECT count(*) FROM event WHERE participant = ?1 AND what LIKE 'taken out of participants.csv%'";
+        let count = state.query_row(question, [who], |row| row.get::<_, i64>(0));
+        count.unwrap()
+    };
+    assert_eq!(["P001", "P002", "P003", "P004"].map(told), [0, 1, 1, 0]);
+}
+
+#[test]
+fn where_nothing_is_agreed_to_whoever_opened_their_link_takes_part() {
+    let folder = folder_of(&STUDY.replace("consent = \"consent.md\"\n", ""));
+    let server = Server::open(folder.path());
+    opened(&server);
+    server.seat.let_in().unwrap();
+    server.seat.write_files().unwrap();
+    let listed = read(folder.path(), "participants.csv");
+    assert_eq!(listed, "participant,study,order\nP001,2,calm sporty\n");
 }

@@ -12,7 +12,7 @@ use std::{
     time::Duration,
 };
 use support::{
-    STUDY, Server, TAB, entered, folder, folder_of, one_person, open, opened, replies,
+    STUDY, Server, TAB, entered, folder, folder_of, lab, one_person, open, opened, read, replies,
     script::{driven, finish, piece, until, up_to},
     settings, tells,
 };
@@ -112,7 +112,7 @@ fn what_could_not_be_kept_is_told_at_the_laboratory_and_where_the_seat_was_opene
     assert_eq!(server.post(&path, &sent).0, 500);
     let (_, lab) = server.ask("GET", "/lab", "", &[("Cookie", &cookie)]);
     assert!(lab.contains("database or disk is full"), "{lab}");
-    assert!(lab.contains("3 times"), "{lab}");
+    assert!(lab.contains("<td>3 ×"), "{lab}");
     assert!(lab.contains("step 7"), "{lab}");
     let full = |who: &str| {
         let told = told.lock().unwrap();
@@ -361,4 +361,33 @@ fn a_study_is_open_in_one_seat_at_a_time() {
     std::thread::sleep(Duration::from_millis(1));
     let second = open(folder.path());
     assert!(second.is_err_and(|e| e.to_string().contains("open")));
+}
+
+#[test]
+fn the_same_answers_again_are_a_lost_reply_and_others_are_refused_and_told() {
+    let (folder, server, token) = one_person();
+    let (at, _) = until(&server, &token, "scale");
+    let path = format!("/api/{token}/answer/{at}");
+    let first = r#"{"answers":[4,null],"seconds":6}"#;
+    for _ in 0..2 {
+        replies(server.post(&path, first), 200, &(at + 1).to_string());
+    }
+    let told = format!("step {} was answered before", at + 1);
+    // Another browser with the same link, later.
+    let later = first.replace("\"seconds\":6", "\"seconds\":9.5");
+    replies(server.post(&path, &later), 200, &(at + 1).to_string());
+    assert!(!lab(&server).contains(&told));
+    let others = r#"{"answers":[1,2],"seconds":6}"#;
+    replies(
+        server.post(&path, others),
+        409,
+        "maveric-refused: other-tab",
+    );
+    tells(&lab(&server), &[&told]);
+    server.seat.write_files().unwrap();
+    let answers = read(folder.path(), "surveys/answers.csv");
+    tells(
+        &answers,
+        &["P001,pre,mood,1,4,3.000\nP001,pre,mood,2,,3.000\n"],
+    );
 }

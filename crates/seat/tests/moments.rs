@@ -69,6 +69,13 @@ fn what_was_asked_on_the_way_and_at_the_end_stands_among_the_answers() {
         events.contains(",probe:misc,1.0") || events.contains(",probe:misc,1,"),
         "{events}"
     );
+    // Pages were answered, and a ride is none.
+    let pages: Vec<&str> = events
+        .lines()
+        .filter(|row| row.contains(",answered,"))
+        .filter_map(|row| row.split(',').nth(2))
+        .collect();
+    assert_eq!(pages, ["mood"; 4]);
 }
 
 #[test]

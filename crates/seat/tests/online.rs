@@ -8,9 +8,9 @@ use maveric_seat::{Seat, carried, replay};
 use serde_json::{Value, json};
 use std::{fs, path::Path};
 use support::{
-    folder, read,
-    script::{Script, written},
-    seat,
+    STUDY, Server, folder, folder_of, opened, read,
+    script::{Script, go_on, written},
+    seat, tells,
 };
 
 /// What somebody hands over who went through row `row`.
@@ -45,17 +45,20 @@ fn what_is_handed_over_becomes_the_files_that_a_run_reads() {
     let again = carried::take_in(&seat, &written(folder.path(), &lines));
     assert!(again.is_err_and(|e| e.to_string().contains("taken in before, as P001")));
     // Their row of the square is theirs: who comes next gets the rows that are left, 0 and 2.
-    seat.let_in().unwrap();
-    seat.let_in().unwrap();
-    seat.write_files().unwrap();
+    let server = Server::of(seat, |_| {});
+    for _ in 0..2 {
+        let token = opened(&server);
+        assert!(go_on(&server, &token));
+    }
+    server.seat.write_files().unwrap();
     let people = fs::read_to_string(at("participants.csv")).unwrap();
     assert!(
         people.ends_with("P002,2,calm sporty\nP003,2,calm sporty\n"),
         "{people}"
     );
     // Nor is somebody who is forgotten.
-    seat.forget("P001").unwrap();
-    let again = carried::take_in(&seat, &written(folder.path(), &lines));
+    server.seat.forget("P001").unwrap();
+    let again = carried::take_in(&server.seat, &written(folder.path(), &lines));
     assert!(again.is_err_and(|e| e.to_string().contains("forgotten")));
 }
 
@@ -112,6 +115,41 @@ fn a_file_that_is_wrong_anywhere_is_refused_whole_and_names_the_line() {
 }
 
 #[test]
+fn words_that_somebody_wrote_are_taken_in_and_those_of_an_item_that_asks_for_none_are_not() {
+    let folder = folder_of(&STUDY.replace("before = [\"mood\"]", "before = [\"why\"]"));
+    let why = "id = \"why\"\ntitle = \"Why\"\nreference = \"made for this test\"\n\
+               [[item]]\nkind = \"likert\"\ntext = \"Was it clear?\"\nmin = 1\nmax = 5\n\
+               [[item]]\nkind = \"text\"\ntext = \"What was it about?\"\n";
+    fs::write(folder.path().join("scales/why.toml"), why).unwrap();
+    let seat = seat(folder.path());
+    let mut lines = handed_over(&seat, folder.path(), 0);
+    let is_sheet = |line: &Value| line["sheet"]["answers"].is_array();
+    let asked = lines.iter().position(is_sheet).unwrap();
+    for (texts, told) in [
+        (json!({"1": "cars"}), "item 1: a text"),
+        (json!({"two": "cars"}), "expected"),
+    ] {
+        lines[asked]["sheet"]["texts"] = texts;
+        let refused = carried::take_in(&seat, &written(folder.path(), &lines)).unwrap_err();
+        tells(
+            &refused.to_string(),
+            &[&format!("line {}", asked + 1), told],
+        );
+    }
+    lines[asked]["sheet"]["texts"] = json!({"2": "cars, or trust"});
+    let file = written(folder.path(), &lines);
+    // An editor has put a mark before it.
+    fs::write(
+        &file,
+        format!("\u{feff}{}", fs::read_to_string(&file).unwrap()),
+    )
+    .unwrap();
+    carried::take_in(&seat, &file).unwrap();
+    let answers = read(folder.path(), "surveys/answers.csv");
+    tells(&answers, &["P001,pre,why,2,", "\"cars, or trust\""]);
+}
+
+#[test]
 fn who_hands_over_nothing_is_not_somebody_who_is_through() {
     let folder = folder();
     let seat = seat(folder.path());
@@ -136,6 +174,16 @@ fn who_hands_over_nothing_is_not_somebody_who_is_through() {
     let mut left = lines[..4].to_vec();
     left.push(ended("left"));
     assert!(carried::take_in(&seat, &written(folder.path(), &left)).is_ok());
+}
+
+#[test]
+fn a_study_that_promises_what_a_link_alone_can_do_is_not_exported() {
+    let design = STUDY.replace("drive_s", "withdraw_until = \"2999-12-31\"\ndrive_s");
+    let folder = folder_of(&design);
+    let out = folder.path().join("online");
+    let refused = carried::export(&seat(folder.path()), &out, None).unwrap_err();
+    tells(&refused.to_string(), &["`withdraw_until`"]);
+    assert!(!out.exists());
 }
 
 #[test]

@@ -303,9 +303,11 @@ fn while_nobody_was_learned_from_nobody_rides() {
         .replace("score = \"adb.total\"", "score = \"mood.total\"");
     let folder = folder_of(&design);
     let one_more = |seat: Seat| {
-        seat.let_in().unwrap();
-        seat.write_files().unwrap();
-        seat.rides()
+        let server = Server::of(seat, |_| {});
+        let token = opened(&server);
+        assert!(go_on(&server, &token));
+        server.seat.write_files().unwrap();
+        server.seat.rides()
     };
     assert!(!one_more(open_with(folder.path(), None).unwrap()));
     assert!(one_more(seat(folder.path())));
@@ -424,16 +426,20 @@ fn other_computers_are_served_only_where_that_was_said() {
 
 #[test]
 fn a_study_in_german_is_served_and_exported_in_german_with_its_own_sentences() {
-    let folder = folder_of(&STUDY.replace(
+    let german = STUDY.replace(
         "[protocol]",
-        "[protocol]\nlanguage = \"de\"\nwords = \"words.toml\"\nwithdraw_until = \"2999-12-31\"",
-    ));
+        "[protocol]\nlanguage = \"de\"\nwords = \"words.toml\"",
+    );
+    let folder = folder_of(&german);
     fs::write(folder.path().join("words.toml"), "begin = \"Los <los>\"").unwrap();
     let scale = folder.path().join("scales/mood.toml");
-    let german = format!("language = \"de\"\n{}", fs::read_to_string(&scale).unwrap());
-    fs::write(&scale, german).unwrap();
+    let mood = format!("language = \"de\"\n{}", fs::read_to_string(&scale).unwrap());
+    fs::write(&scale, mood).unwrap();
     let exported = folder.path().join("online");
     maveric_seat::carried::export(&seat(folder.path()), &exported, None).unwrap();
+    // Static files give nobody a link to take anything back by: the export refuses a date until when.
+    let until = german.replace("[protocol]", "[protocol]\nwithdraw_until = \"2999-12-31\"");
+    fs::write(folder.path().join("study.toml"), until).unwrap();
     let server = Server::open(folder.path());
     let token = opened(&server);
     let (_, served) = server.ask("GET", &format!("/p/{token}"), "", &[]);

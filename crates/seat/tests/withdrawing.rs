@@ -76,7 +76,8 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
     drop(server);
     let server = Server::open(folder.path());
     assert_eq!(server.state(&token)["ended"], "deleted");
-    opened(&server);
+    let third = opened(&server);
+    assert!(go_on(&server, &third));
     server.seat.write_files().unwrap();
     let people = read(folder.path(), "participants.csv");
     assert!(
@@ -117,6 +118,7 @@ fn after_the_day_that_the_consent_names_it_is_said_that_nothing_can_be_taken_bac
         |day: &str| STUDY.replace("drive_s", &format!("withdraw_until = \"{day}\"\ndrive_s"));
     let folder = folder_of(&until("2001-02-03"));
     let server = Server::open(folder.path());
+    tells(&server.seat.withdrawal_over().unwrap(), &["2001-02-03"]);
     let (through, driving) = (opened(&server), opened(&server));
     while go_on(&server, &through) {}
     assert_eq!(server.state(&through)["withdraw"]["until"], "2001-02-03");
@@ -131,6 +133,7 @@ fn after_the_day_that_the_consent_names_it_is_said_that_nothing_can_be_taken_bac
     assert_eq!(server.post(&format!("/api/{driving}/leave"), DELETE).0, 200);
     let folder = folder_of(&until("2999-12-31"));
     let server = Server::open(folder.path());
+    assert_eq!(server.seat.withdrawal_over(), None);
     let token = opened(&server);
     let consent = server.state(&token)["steps"][0]["text"].to_string();
     assert!(consent.contains("2999-12-31"), "{consent}");

@@ -150,12 +150,7 @@ impl Study {
                 *place = p;
             }
             outcome.contrast = match &tested {
-                ByDesign::Mixed(model) if !model.found.own_error.is_empty() => {
-                    pair(&model.found.own_error)
-                }
-                ByDesign::Mixed(model) => {
-                    model.found.model.contrast.get("condition").and_then(pair)
-                }
+                ByDesign::Mixed(model) => pair(&model.found.pairs("condition")),
                 ByDesign::Ordinal(model) => pair(&model.found.contrast),
                 _ => None,
             };

@@ -54,17 +54,31 @@ impl Statement {
     }
 
     /// `…, p_Holm = .012`.
-    fn p(mut self, p: f64, adjusted: Adjustment) -> Self {
+    fn p(self, p: f64, adjusted: Adjustment) -> Self {
+        self.p_named(p_symbol(adjusted), p)
+    }
+
+    /// The same of a p with a symbol of its own, because it is not that of the statistic before it.
+    fn p_named(mut self, symbol: &str, p: f64) -> Self {
         self.0 += ", ";
-        self.0 += &probability(p_symbol(adjusted), p);
+        self.0 += &probability(symbol, p);
         self
     }
 
     /// `…, 95% CI [−1.73, −0.67]`; nothing without an interval.
-    fn ci(mut self, level: f64, ci: Interval, write: fn(f64, usize) -> String) -> Self {
+    fn ci(self, level: f64, ci: Interval, write: fn(f64, usize) -> String) -> Self {
+        self.interval(level, ci, |end| write(end, 2))
+    }
+
+    /// The same in the unit of the values, which may be small.
+    fn ci_of_values(self, level: f64, ci: Interval) -> Self {
+        self.interval(level, ci, |end| of_values(end, ci))
+    }
+
+    fn interval(mut self, level: f64, ci: Interval, write: impl Fn(f64) -> String) -> Self {
         if let Some((low, high)) = ci.ends() {
             let level = number(level * 100.0, 0);
-            let ends = [write(low, 2), write(high, 2)].join(", ");
+            let ends = [write(low), write(high)].join(", ");
             self.0
                 .push_str(&[", ", &level, "% CI [", &ends, "]"].concat());
         }
@@ -91,6 +105,34 @@ pub fn number(value: f64, decimals: usize) -> String {
     }
 }
 
+/// Decimals at which half the width of an interval has two significant digits; 0 without one.
+///
+/// # Example
+/// ```
+/// use maveric_stats::{Interval, apa::decimals_inside};
+/// assert_eq!(decimals_inside(Interval::from((-0.0010, -0.0002))), 5);
+/// assert_eq!(decimals_inside(Interval::from((12_033.8, 12_034.4))), 2);
+/// assert_eq!(decimals_inside(Interval::default()), 0);
+/// ```
+pub fn decimals_inside(ci: Interval) -> usize {
+    let half = ci.ends().map_or(0.0, |(low, high)| (high - low) / 2.0);
+    two_digits(half, 15)
+}
+
+/// Decimals at which a width has two significant digits, at most so many; 0 without a width.
+fn two_digits(width: f64, most: usize) -> usize {
+    if !(width > 0.0 && width.is_finite()) {
+        return 0;
+    }
+    let decimals = 1 - libm::log10(width).floor() as i32;
+    usize::try_from(decimals).unwrap_or(0).min(most)
+}
+
+/// An estimate or an end of an interval in the unit of the values: two decimals, or as many as show how wide the interval is.
+fn of_values(value: f64, ci: Interval) -> String {
+    number(value, decimals_inside(ci).max(2))
+}
+
 /// A number bounded by 1, without the zero before the point: `.46`, `−.05`, `1.00`.
 pub fn bounded(value: f64, decimals: usize) -> String {
     let written = number(value, decimals);
@@ -101,6 +143,17 @@ pub fn bounded(value: f64, decimals: usize) -> String {
             None => written,
         },
     }
+}
+
+/// Decimals that show two digits of a spread, in the unit of the numbers beside it: at least two, at most six.
+///
+/// # Example
+/// ```
+/// use maveric_stats::apa::decimals;
+/// assert_eq!([12.0, 0.1, 0.03, 0.004, 0.0].map(decimals), [2, 2, 3, 4, 2]);
+/// ```
+pub fn decimals(spread: f64) -> usize {
+    two_digits(spread, 6).max(2)
 }
 
 /// Degrees of freedom: whole if they are, else two decimals.
@@ -197,20 +250,31 @@ pub struct F {
 pub fn f(test: &F) -> Statement {
     Statement::f_test([test.df_effect, test.df_error], test.f, test.p)
         .and_bounded("*η*_{p}^{2}", test.eta2_partial)
-        .ci(0.9, test.eta2_partial_ci90, bounded)
+        .ci(
+            0.9,
+            test.eta2_partial_ci90.holding(test.eta2_partial),
+            bounded,
+        )
         .and_bounded("*ε*", test.epsilon)
 }
 
 /// `χ²(3, N = 24) = 41.19, p < .001, W = .57`: Friedman's test with Kendall's W.
 pub fn chi2(statistic: f64, df: usize, n: usize, p: f64, kendall_w: Option<f64>) -> Statement {
+    let p = (p_symbol(Adjustment::None), p);
     of_n("*χ*^{2}", statistic, [df, n], p, kendall_w)
 }
 
-/// `Q(3, N = 24) = 7.53, p = .057, W = .10`: a statistic of n people with Kendall's W.
-fn of_n(symbol: &str, value: f64, [df, n]: [usize; 2], p: f64, w: Option<f64>) -> Statement {
+/// `Q(3, N = 24) = 7.53, p = .057, W = .10`: a statistic of n people, p with its symbol, and Kendall's W.
+fn of_n(
+    symbol: &str,
+    value: f64,
+    [df, n]: [usize; 2],
+    (p_symbol, p): (&str, f64),
+    w: Option<f64>,
+) -> Statement {
     let written = number(value, 2);
     Statement(format!("{symbol}({df}, *N* = {n}) = {written}"))
-        .p(p, Adjustment::None)
+        .p_named(p_symbol, p)
         .and_bounded("*W*", w)
 }
 
@@ -271,6 +335,20 @@ mod tests {
     }
 
     #[test]
+    fn an_interval_that_leaves_its_estimate_out_is_not_printed() {
+        let tiny = F {
+            f: 0.09,
+            df_effect: 3.0,
+            df_error: 6.0,
+            p: 0.96,
+            eta2_partial: Some(0.04),
+            eta2_partial_ci90: (0.0, 0.0).into(),
+            epsilon: None,
+        };
+        assert_eq!(f(&tiny).to_string(), "F(3, 6) = 0.09, p = .960, ηp² = .04");
+    }
+
+    #[test]
     fn friedman_names_n_and_w() {
         let written = chi2(41.19, 3, 24, 1e-8, Some(0.572)).to_string();
         assert_eq!(written, "χ²(3, N = 24) = 41.19, p < .001, W = .57");
@@ -284,6 +362,22 @@ mod tests {
             written,
             "t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]"
         );
+    }
+
+    #[test]
+    fn an_interval_in_a_small_unit_is_no_row_of_zeros() {
+        let ci = (-0.001_04, -0.000_21).into();
+        let said = Statement("estimate".to_owned()).ci_of_values(0.9, ci);
+        assert_eq!(said.to_string(), "estimate, 90% CI [−0.00104, −0.00021]");
+        assert_eq!(of_values(-0.000_62, ci), "−0.00062");
+        // Two decimals where they are enough, or nothing has a width.
+        let said = |low: f64, high: f64| {
+            let said = Statement("estimate".to_owned()).ci_of_values(0.95, (low, high).into());
+            said.to_string()
+        };
+        assert_eq!(said(-0.2, 0.114), "estimate, 95% CI [−0.20, 0.11]");
+        assert_eq!(said(120.0, 160.0), "estimate, 95% CI [120.00, 160.00]");
+        assert_eq!(said(3.0, 3.0), "estimate, 95% CI [3.00, 3.00]");
     }
 
     #[test]

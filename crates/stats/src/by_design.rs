@@ -3,12 +3,12 @@
 mod carry_over;
 mod effects;
 mod factors;
+mod follow_up;
 mod found;
 mod groups;
 mod kept;
 mod level_contrast;
 mod one_factor;
-mod own_errors;
 mod parts;
 mod period;
 mod plan;
@@ -16,6 +16,7 @@ mod table;
 
 pub use carry_over::{CarriedOver, CarryOver, NoCarryOver, carry_over};
 pub use effects::EffectTest;
+pub use follow_up::{CellMean, FollowUp, LevelPair, SimplePairs, follow_up};
 pub use found::{
     ByDesign, Chosen, ChosenTest, CorrectedTerm, FactorialFinding, MixedFinding, OrdinalFinding,
     PERIOD, RankCheck, SmallSample,
@@ -163,7 +164,7 @@ impl Default for DesignChoice {
 /// | --- | --- |
 /// | a test that is asked for | that one; with the period where orders are known |
 /// | periods | of one factor within, ordered answers: cumulative logit with a random intercept; else mixed model; both with the period as a factor, whatever its p |
-/// | a covariate that changes within subjects; or missing cells with [`MissingCells::Mixed`] | mixed model with a variance of the subject and of the subject at each level of each factor, Satterthwaite, Greenhouse-Geisser by term |
+/// | a covariate that changes within subjects; or missing cells with [`MissingCells::Mixed`] | mixed model with a variance of the subject and of the subject at each level of each factor, Satterthwaite, Greenhouse-Geisser by term, each pair over its own error |
 /// | one row a subject and a covariate | linear model (analysis of covariance) |
 /// | one factor within, ordered answers | cumulative logit with a random intercept; the rank test beside it |
 /// | one factor within | [`compare`](crate::compare) |

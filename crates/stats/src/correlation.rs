@@ -256,6 +256,22 @@ mod tests {
     }
 
     #[test]
+    fn ranks_in_one_order_have_a_tau_of_one_and_no_interval() {
+        let x = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(Some);
+        let kendall = |y: [f64; 6]| {
+            let found = correlate(&x, &y.map(Some), CorrelationMethod::All, None).unwrap();
+            let kendall = found.kendall.unwrap();
+            (kendall.tau_b, kendall.ci.ends().is_some())
+        };
+        assert_eq!(
+            kendall([1.0, 2.0, 4.0, 8.0, 16.0, 32.0]),
+            (Some(1.0), false)
+        );
+        let (tau, interval) = kendall([2.0, 1.0, 4.0, 8.0, 16.0, 32.0]);
+        assert!(tau.unwrap() < 1.0 && interval);
+    }
+
+    #[test]
     fn auto_says_what_it_chose_and_why() {
         let x: Vec<_> = (0..20).map(|i| Some(f64::from(i).exp())).collect();
         let result = correlate(&x, &x, CorrelationMethod::Auto, None).unwrap();

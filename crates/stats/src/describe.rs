@@ -44,6 +44,34 @@ pub fn mean_interval(values: &[f64], confidence: f64) -> Option<[f64; 3]> {
     Some([mean, mean - half, mean + half])
 }
 
+/// The mean of the means of groups, each of equal weight, with its interval by the variance of each group on its own; `None` where a group
+/// has fewer than two values, or nothing varies. Of one group it is [`mean_interval`].
+///
+/// # Source
+/// Satterthwaite (1946) for the degrees of freedom, as in Welch's test.
+///
+/// # Example
+/// ```
+/// let groups = [vec![1.0, 2.0, 3.0], vec![5.0, 7.0, 9.0, 7.0]];
+/// let [mean, low, high] = maveric_stats::mean_of_groups_interval(&groups, 0.95).unwrap();
+/// assert!(mean == 4.5 && low < 3.4 && high > 5.6);
+/// ```
+pub fn mean_of_groups_interval(groups: &[Vec<f64>], confidence: f64) -> Option<[f64; 3]> {
+    let count = groups.len() as f64;
+    let (mut sum, mut square, mut uncertain) = (0.0, 0.0, 0.0);
+    for values in groups {
+        let n = values.len() as f64;
+        let error = standard_deviation(values)?.powi(2) / n;
+        sum += mean(values)?;
+        square += error;
+        uncertain += error * error / (n - 1.0);
+    }
+    let df = Some(square * square / uncertain).filter(|df| df.is_finite())?;
+    let (mean, se) = (sum / count, square.sqrt() / count);
+    let half = t_quantile_two_sided(1.0 - confidence, df)? * se;
+    Some([mean, mean - half, mean + half])
+}
+
 /// Means of k conditions with the ends of their 95 % within-subject intervals, from one complete row a subject;
 /// `None` below two subjects or two conditions.
 ///
@@ -98,6 +126,25 @@ mod tests {
             close(middle - low, high - middle);
         }
         assert_eq!(mean_interval(&[1.0], 0.95), None);
+    }
+
+    #[test]
+    fn groups_are_not_pooled_in_the_interval_of_their_mean() {
+        let wide = vec![1.0, 9.0, 4.0, 12.0, -3.0];
+        let narrow = vec![5.0, 5.2, 4.9, 5.1, 5.0, 5.3, 4.8];
+        let alone = mean_of_groups_interval(std::slice::from_ref(&wide), 0.95).unwrap();
+        let one = mean_interval(&wide, 0.95).unwrap();
+        for (end, expected) in alone.into_iter().zip(one) {
+            close(end, expected);
+        }
+        // In numpy and scipy: v = [a.var(ddof=1) / len(a)] of each, sqrt(sum(v)) / 2 * t.ppf(.975, sum(v)**2 / sum(v**2 / (n - 1))).
+        let [mean, low, high] = mean_of_groups_interval(&[wide, narrow], 0.95).unwrap();
+        assert!(
+            (mean - 4.821_428_571_428).abs() < 1e-9 && (high - mean - 3.739_854_901).abs() < 1e-6
+        );
+        close(mean - low, high - mean);
+        let none = |groups: &[Vec<f64>]| mean_of_groups_interval(groups, 0.95).is_none();
+        assert!(none(&[vec![1.0, 2.0], vec![3.0]]) && none(&[vec![2.0, 2.0]]) && none(&[]));
     }
 
     #[test]

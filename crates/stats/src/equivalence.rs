@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Interval, Named, Reasons, StatsError, WithinSubjects,
+    Adjustment, Interval, Named, Reasons, StatsError, WithinSubjects,
     analysis::by_pair,
     complete,
     numerics::{
@@ -14,6 +14,9 @@ use crate::{
 
 /// The level of each one-sided test.
 const LEVEL: f64 = 0.05;
+
+/// Name of the only test of one sample; those of pairs have `|` in them.
+const ONE_SAMPLE: &str = "value";
 
 /// Which differences count as none: those between `low` and `high`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,10 +77,21 @@ pub struct Tost {
     pub p_difference: Option<f64>,
     /// Estimate over the standard deviation of the differences.
     pub dz: Option<f64>,
-    /// Whether p < .05: the difference is smaller than the bounds.
+    /// Whether p < .05, for this pair alone.
     pub equivalent: Option<bool>,
+    /// Whether `p_holm` < .05: of several pairs this decides.
+    #[serde(default)]
+    pub equivalent_holm: Option<bool>,
     /// Whether `p_difference` < .05; both may hold, and neither.
     pub different: Option<bool>,
+}
+
+impl Tost {
+    /// Writes the corrected p and its verdict.
+    fn correct(&mut self, p_holm: Option<f64>) {
+        self.p_holm = p_holm;
+        self.equivalent_holm = p_holm.map(|p| p < LEVEL);
+    }
 }
 
 /// Tests of equivalence of each pair of conditions, or of one sample.
@@ -97,6 +111,22 @@ pub struct Equivalence {
     pub undefined: Reasons,
 }
 
+impl Equivalence {
+    /// Whether `n` counts values of one sample, not subjects.
+    pub fn is_of_one_sample(&self) -> bool {
+        self.tost.get(ONE_SAMPLE).is_some()
+    }
+
+    /// What `p_holm` is adjusted by: nothing where there is one test.
+    pub fn adjusted(&self) -> Adjustment {
+        if self.tost.len() > 1 {
+            Adjustment::Holm
+        } else {
+            Adjustment::None
+        }
+    }
+}
+
 /// Whether conditions differ by less than the bounds, for each pair of them.
 ///
 /// # Errors
@@ -111,7 +141,7 @@ pub struct Equivalence {
 /// let rows = [[1.0, 1.1], [2.0, 1.9], [3.0, 3.2], [4.0, 4.0], [2.5, 2.4]].map(Vec::from);
 /// let data = WithinSubjects::from_rows(&["a", "b"], &["p", "q", "r", "s", "t"], &rows)?;
 /// let found = equivalence(&data, Bounds::Raw { low: -0.5, high: 0.5 })?;
-/// assert_eq!(found.tost.get("a|b").unwrap().equivalent, Some(true));
+/// assert_eq!(found.tost.get("a|b").unwrap().equivalent_holm, Some(true));
 /// # Ok::<(), maveric_stats::StatsError>(())
 /// ```
 pub fn equivalence(data: &WithinSubjects, bounds: Bounds) -> Result<Equivalence, StatsError> {
@@ -126,7 +156,7 @@ pub fn equivalence(data: &WithinSubjects, bounds: Bounds) -> Result<Equivalence,
         dropped: data.dropped().to_vec(),
         missing: 0,
         bounds,
-        tost: tests.with_holm(|t| t.p, |t, p| t.p_holm = p),
+        tost: tests.with_holm(|t| t.p, Tost::correct),
         undefined,
     })
 }
@@ -146,14 +176,15 @@ pub fn equivalence_one(
     check(bounds)?;
     let (differences, constant) = less(values, mu)?;
     let mut undefined = Reasons::default();
-    let mut test = undefined.result("tost.value", tost(&differences, constant, bounds));
-    test.p_holm = test.p;
+    let name = format!("tost.{ONE_SAMPLE}");
+    let mut test = undefined.result(&name, tost(&differences, constant, bounds));
+    test.correct(test.p);
     Ok(Equivalence {
         n: test.n,
         dropped: Vec::new(),
         missing: values.len() - test.n,
         bounds,
-        tost: [("value".to_owned(), test)].into_iter().collect(),
+        tost: [(ONE_SAMPLE.to_owned(), test)].into_iter().collect(),
         undefined,
     })
 }
@@ -232,7 +263,8 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
         let tests = ["t_lower", "p_lower", "t_upper", "p_upper", "p", "p_holm"];
         reasons.note_all(&tests, reason);
         reasons.note_all(&["se", "t", "dz"], reason);
-        reasons.note_all(&["p_difference", "equivalent", "different"], reason);
+        reasons.note_all(&["p_difference", "different"], reason);
+        reasons.note_all(&["equivalent", "equivalent_holm"], reason);
         reasons.note_ends(&["ci90", "ci"], reason);
         // Raw bounds exist whatever the data.
         if low.is_none() {
@@ -271,6 +303,7 @@ fn tost(differences: &[f64], constant: bool, bounds: Bounds) -> (Tost, Reasons) 
         p_difference,
         dz: sd.map(|sd| estimate / sd),
         equivalent: p.map(|p| p < LEVEL),
+        equivalent_holm: None,
         different: p_difference.map(|p| p < LEVEL),
     };
     (test, reasons)
@@ -293,6 +326,35 @@ mod tests {
     }
 
     #[test]
+    fn of_several_pairs_holms_correction_decides() {
+        let rows = [
+            [0.0, 0.3, 0.1],
+            [1.0, 0.7, 1.4],
+            [2.0, 2.5, 1.6],
+            [3.0, 2.9, 3.5],
+            [4.0, 4.3, 3.8],
+            [5.0, 4.8, 5.1],
+        ];
+        let names = ["p", "q", "r", "s", "t", "u"];
+        let shown = |conditions: usize, high: f64| {
+            let rows = rows.map(|row| row[..conditions].to_vec());
+            let data = WithinSubjects::from_rows(&["a", "b", "c"][..conditions], &names, &rows);
+            let found = equivalence(&data.unwrap(), Bounds::Raw { low: -high, high }).unwrap();
+            let test = found.tost.get("a|b").unwrap();
+            let sentence = found.to_string();
+            let named = sentence.lines().next().unwrap().contains("p_Holm");
+            (
+                test.equivalent.unwrap(),
+                test.equivalent_holm.unwrap(),
+                named,
+            )
+        };
+        assert_eq!(shown(2, 0.4), (true, true, false));
+        assert_eq!(shown(3, 0.4), (true, false, true));
+        assert_eq!(shown(3, 1.0), (true, true, true));
+    }
+
+    #[test]
     fn differences_that_do_not_vary_have_a_reason_for_each_missing_number() {
         let data = WithinSubjects::from_rows(
             &["a", "b"],
@@ -306,7 +368,10 @@ mod tests {
         let found = equivalence(&data.unwrap(), bounds).unwrap();
         let test = found.tost.get("a|b").unwrap();
         assert!(test.p.is_none() && test.low == Some(-1.0));
-        assert!(found.undefined.get("tost.a|b.equivalent").is_some());
+        for verdict in ["equivalent", "equivalent_holm"] {
+            let name = format!("tost.a|b.{verdict}");
+            assert!(found.undefined.get(&name).is_some(), "{name}");
+        }
         assert!(found.undefined.get("tost.a|b.low").is_none());
     }
 

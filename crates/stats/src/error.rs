@@ -41,7 +41,8 @@ pub enum StatsError {
     },
     /// Fewer subjects than the test needs.
     #[error(
-        "{found} complete {unit}(s) after leaving out {dropped} with missing values, expected at least {expected}"
+        "{found} complete {unit}{} after leaving out {dropped} with missing values, expected at least {expected}",
+        if *found == 1 { "" } else { "s" }
     )]
     TooFew {
         /// What is counted: subject, pair, respondent, value, group.
@@ -54,7 +55,7 @@ pub enum StatsError {
         expected: usize,
     },
     /// Fewer than two conditions.
-    #[error("{found} condition(s), expected at least 2")]
+    #[error("{found} condition{}, expected at least 2", if *found == 1 { "" } else { "s" })]
     TooFewConditions {
         /// How many were found.
         found: usize,
@@ -73,6 +74,14 @@ pub enum StatsError {
         /// condition, subject, item, factor or predictor.
         what: String,
         /// The one that comes twice.
+        name: String,
+    },
+    /// Levels whose joined names coincide, so that one of two results would be lost.
+    #[error("two {what}s would have the name `{name}`, expected levels whose joined names differ")]
+    JoinedName {
+        /// cell or pair.
+        what: String,
+        /// The name that both would have.
         name: String,
     },
     /// A condition in the data that is not in the given order.
@@ -270,7 +279,15 @@ impl StatsError {
             Self::EmptyCell { .. } => {
                 Some("leave out its level, or a factor, or subjects' missing values")
             }
-            Self::Collinear { .. } => Some("leave it out of the formula"),
+            Self::JoinedName { .. } => {
+                Some("rename a level: `:` joins the levels of a cell, `|` the names of a pair")
+            }
+            Self::Collinear { .. } => {
+                Some("leave it out: it has one value, or follows from the others")
+            }
+            Self::DoubleName { what, .. } if what == "subject" => Some(
+                "a row a subject is expected: name the factor that changes within subjects, or average each subject's rows first",
+            ),
             Self::NotFinite { .. } => Some("leave the cell empty if the value is missing"),
             _ => None,
         }

@@ -22,6 +22,17 @@ impl Interval {
         self.low.zip(self.high)
     }
 
+    /// The interval where it holds this estimate; else none, as a sentence prints it.
+    #[must_use]
+    pub fn holding(self, estimate: Option<f64>) -> Self {
+        let holds = |(low, high): (f64, f64)| estimate.is_some_and(|e| (low..=high).contains(&e));
+        if self.ends().is_some_and(holds) {
+            self
+        } else {
+            Self::default()
+        }
+    }
+
     /// That of the estimate with its sign turned.
     #[must_use]
     pub fn negated(self) -> Self {

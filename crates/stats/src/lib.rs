@@ -58,11 +58,12 @@ pub use bayes::{
 };
 pub use bootstrap::{Bootstrap, BootstrapData, BootstrapSettings, Statistic, bootstrap};
 pub use by_design::{
-    AskedTest, ByDesign, CarriedOver, CarryOver, Chosen, ChosenTest, CorrectedTerm, DesignChoice,
-    DesignColumns, DesignPlan, DesignShape, DesignTable, EffectMethod, EffectTest,
-    FactorialFinding, LevelChoice, LevelContrast, MissingCells, MixedFinding, NoCarryOver,
-    OrdinalFinding, OutcomeScale, PERIOD, PlannedEffect, RankCheck, SimpleTest, SmallSample,
-    carry_over, compare_by_design, level_contrast, simple_effects,
+    AskedTest, ByDesign, CarriedOver, CarryOver, CellMean, Chosen, ChosenTest, CorrectedTerm,
+    DesignChoice, DesignColumns, DesignPlan, DesignShape, DesignTable, EffectMethod, EffectTest,
+    FactorialFinding, FollowUp, LevelChoice, LevelContrast, LevelPair, MissingCells, MixedFinding,
+    NoCarryOver, OrdinalFinding, OutcomeScale, PERIOD, PlannedEffect, RankCheck, SimplePairs,
+    SimpleTest, SmallSample, carry_over, compare_by_design, follow_up, level_contrast,
+    simple_effects,
 };
 pub use case_crossover::{CaseCrossover, CaseStratum, case_crossover};
 pub use cochran_q::{CochranQ, CochranQTest, McNemarPair, cochran_q};
@@ -73,7 +74,10 @@ pub use correlation::{
     Correlation, CorrelationMethod, Kendall, Pearson, RmCorrelation, RmCorrelationAnalysis,
     Spearman, SpearmanCompat, correlate, least_correlation, rm_correlation, simultaneous_interval,
 };
-pub use describe::{mean, mean_interval, quantile, standard_deviation, within_subject_intervals};
+pub use describe::{
+    mean, mean_interval, mean_of_groups_interval, quantile, standard_deviation,
+    within_subject_intervals,
+};
 pub use equivalence::{
     Bounds, Equivalence, EstimateTost, Tost, equivalence, equivalence_one, tost_of_estimate,
 };

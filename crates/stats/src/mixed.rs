@@ -8,6 +8,7 @@ mod described;
 mod formula;
 mod marginal;
 mod model_rows;
+mod own_errors;
 mod random_intercept;
 mod ratio;
 mod satterthwaite;
@@ -16,6 +17,7 @@ pub use columns::Predictor;
 pub use congruence::{Bend, Congruence, CongruenceData, congruence};
 pub use formula::Formula;
 pub use marginal::MarginalContrast;
+pub(crate) use random_intercept::random_with_own_errors;
 pub use random_intercept::{
     InterceptVariance, RandomIntercept, TermTest, random_by_factor, random_intercept,
 };
@@ -25,10 +27,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     Interval, Named, Reasons, StatsError, complete,
-    numerics::{matrix::Matrix, minimise::minimise},
+    numerics::{
+        matrix::Matrix,
+        minimise::{decades, minimise},
+        moments::{is_rounding, largest},
+    },
     within_subjects::Index,
 };
-use blocks::{Blocks, Weighted};
+use blocks::Blocks;
 use described::Estimates;
 
 /// Which likelihood is made largest.
@@ -149,7 +155,8 @@ pub fn mixed_model(
     let blocks = Blocks::of_rows(&groups, (p, q), x, random_column, |row| {
         values[row] - offset
     });
-    let fit = fit(&blocks, method).ok_or_else(|| {
+    let fit = fit(&blocks, method).filter(|fit| !fit.leaves_rounding(values));
+    let fit = fit.ok_or_else(|| {
         StatsError::parameter(
             "fixed",
             "columns that are not sums of each other, and a y that varies beyond them",
@@ -201,6 +208,12 @@ impl Fit {
         (self.variance * self.psi()[(j, j)]).max(0.0).sqrt()
     }
 
+    /// Whether what is left of a row is no more than rounding of values as large as these: then the top is where the digits end.
+    fn leaves_rounding(&self, values: &[f64]) -> bool {
+        // Values may come with fifteen digits.
+        is_rounding(self.variance.sqrt() / 16.0, largest(values))
+    }
+
     /// Whether Ψ is on the edge of what is possible.
     fn is_singular(&self, blocks: &Blocks) -> bool {
         (0..blocks.q).any(|j| self.l[(j, j)].abs() * blocks.size(j) < NO_SPREAD)
@@ -209,27 +222,23 @@ impl Fit {
 
 /// β, residual variance and deviance for given relative covariances.
 fn profile(blocks: &Blocks, l: Matrix, method: MixedMethod) -> Option<Fit> {
-    let Weighted {
-        xx,
-        xy,
-        yy,
-        ln_determinant,
-    } = blocks.weighted(&l)?;
-    let factor = xx.cholesky()?;
-    let beta = factor.solve(&xy);
-    let rest = yy - xy.transposed_times(&beta)[(0, 0)];
+    let sums = blocks.weighted(&l)?;
+    let factor = sums.xx.cholesky()?;
+    let beta = factor.solve(&sums.xy);
+    let rest = blocks.rest(&sums, &beta);
     let n = blocks.rows as f64;
     let (freedom, restricted) = match method {
         MixedMethod::Reml => (n - blocks.p as f64, factor.ln_determinant()),
         MixedMethod::Ml => (n, 0.0),
     };
-    // Below this all of y is explained, and the likelihood has no top.
-    if rest.is_nan() || rest <= 1e-14 * (yy.abs() + f64::MIN_POSITIVE) {
+    // Where all of y is explained the likelihood has no top.
+    if rest.is_nan() || rest <= f64::MIN_POSITIVE {
         return None;
     }
     let variance = rest / freedom;
-    let deviance =
-        ln_determinant + restricted + freedom * (1.0 + libm::log(std::f64::consts::TAU * variance));
+    let deviance = sums.ln_determinant
+        + restricted
+        + freedom * (1.0 + libm::log(std::f64::consts::TAU * variance));
     Some(Fit {
         l,
         beta,
@@ -259,8 +268,11 @@ fn fit(blocks: &Blocks, method: MixedMethod) -> Option<Fit> {
     for i in 0..q {
         start.extend((0..=i).map(|j| if i == j { 0.7 } else { 0.0 }));
     }
-    let (theta, _) = minimise(&start, 0.4, 1e-10, value);
-    profile(blocks, scaled(&theta), method)
+    let times =
+        |theta: &[f64], factor: f64| -> Vec<f64> { theta.iter().map(|t| t * factor).collect() };
+    let factor = decades(|factor| value(&times(&start, factor)));
+    let (theta, _) = minimise(&start, 0.4, 1e-10, |theta| value(&times(theta, factor)));
+    profile(blocks, scaled(&times(&theta, factor)), method)
 }
 
 fn describe(

@@ -90,12 +90,13 @@ pub struct Ordinal {
 ///
 /// The three columns have shape `(rows,)`; answers are whole numbers of which the order alone counts; any number of rows a subject and
 /// condition. The integral over u is taken around each subject's mode with its curvature there. A condition in which everybody gives
-/// the lowest or highest answer has no finite coefficient: the others are the limit, which is the fit without its rows.
+/// the lowest or highest answer has no finite coefficient: the others are the limit, which is the fit without its rows. Its likelihood
+/// has a limit too, so that the likelihood ratio is there even where the conditions separate the answers whole.
 ///
 /// # Errors
 /// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`]; [`StatsError::NotWhole`]; [`StatsError::TooFewConditions`];
 /// [`StatsError::EmptyCell`] for a condition without an answer; [`StatsError::TooFew`] below two subjects; [`StatsError::NoFit`] if
-/// all answers are equal, or the conditions separate them whole.
+/// all answers are equal.
 ///
 /// # Source
 /// McCullagh (1980); Tutz and Hennevogl (1996); Pinheiro and Bates (1995) for the quadrature. Agrees with R's `ordinal::clmm`.
@@ -117,6 +118,9 @@ pub fn ordinal(
     Ok(by_period(subjects, conditions, &[], answers)?.0)
 }
 
+/// A row's subject, condition, period (or none of any row) and answer, as columns.
+pub(crate) type Rows<'a> = (&'a [String], &'a [String], &'a [usize], &'a [Option<f64>]);
+
 /// A difference of two conditions on the scale of the logit, and its standard error.
 pub(crate) type Difference = (f64, f64);
 
@@ -128,7 +132,7 @@ pub(crate) fn by_period(
     answers: &[Option<f64>],
 ) -> Result<(Ordinal, Vec<(String, Difference)>), StatsError> {
     let data = Answers::new(subjects, conditions, periods, answers)?;
-    let reduced = data.without_separated()?;
+    let reduced = data.without_separated();
     let (with, without) = (reduced.sample(), data.without_conditions().sample());
     let mut undefined = Reasons::default();
     let mut fit = |rule: &Rule, from: Option<&(Top, Top)>, prefix: &str| {
@@ -162,6 +166,39 @@ pub(crate) fn by_period(
     Ok((ordinal, pairs))
 }
 
+/// Twice what the log likelihood of a model by [`by_period`] loses where two conditions are one, of each pair, `a|b`, without a finite
+/// difference: there the estimate has no error to be held against, and the ratio is what is left.
+pub(crate) fn ratios_of_pairs(
+    (subjects, conditions, periods, answers): Rows<'_>,
+    model: &Ordinal,
+    finite: &[(String, Difference)],
+) -> Result<Vec<(String, f64)>, StatsError> {
+    let Some(apart) = model.quadrature.log_likelihood else {
+        return Ok(Vec::new());
+    };
+    let data = Answers::new(subjects, conditions, periods, answers)?;
+    let ratio = |(first, second, name): (usize, usize, String)| {
+        if finite.iter().any(|(known, _)| *known == name) {
+            return None;
+        }
+        let one = highest(&data.with_one_of(first, second).without_separated())?;
+        Some((name, (2.0 * (apart - one)).max(0.0)))
+    };
+    Ok(pairs(&data.conditions)
+        .into_iter()
+        .filter_map(ratio)
+        .collect())
+}
+
+/// ln of the likelihood at its top, by quadrature; `None` if that does not settle.
+fn highest(data: &Answers) -> Option<f64> {
+    let sample = data.sample();
+    let (one, ten) = (Rule::laplace(), Rule::ten_nodes());
+    let near = top(&mut Likelihood::new(&sample, &one), None);
+    let there = top(&mut Likelihood::new(&sample, &ten), near.as_ref())?;
+    Some(there.value)
+}
+
 /// Every pair of conditions that has a finite difference.
 fn differences(reduced: &Answers, (top, errors): &(Top, Errors)) -> Vec<(String, Difference)> {
     let first = reduced.sample().thresholds();
@@ -183,6 +220,8 @@ fn differences(reduced: &Answers, (top, errors): &(Top, Errors)) -> Vec<(String,
         .collect()
 }
 
+const SEPARATED: &str =
+    "the conditions separate the answers whole: nothing is left that subjects could differ in";
 const NOT_CONVERGED: &str =
     "the model does not converge: answers hardly differ within people, or conditions separate them";
 
@@ -255,6 +294,10 @@ fn describe(
         undefined.note_all(&["variance.subject", "log_likelihood"], NOT_CONVERGED);
     }
     let with = with.map(|(top, _)| top);
+    let whole = reduced.categories.len() < 2;
+    if whole && with.is_some() {
+        undefined.note("variance.subject", SEPARATED);
+    }
     let chi2 = with
         .zip(without)
         .map(|(with, without)| (2.0 * (with.value - without.value)).max(0.0));
@@ -266,7 +309,7 @@ fn describe(
         threshold: threshold.into_iter().collect(),
         coef: coef.into_iter().collect(),
         variance: OrdinalVariance {
-            subject: with.map(|top| top.sd() * top.sd()),
+            subject: with.filter(|_| !whole).map(|top| top.sd() * top.sd()),
         },
         log_likelihood: with.map(|top| top.value),
         lr: LikelihoodRatio {
@@ -319,6 +362,57 @@ mod tests {
         assert!(all.quadrature.coef.get("c").unwrap().estimate.is_none());
         assert!(all.undefined.get("coef.c.p").is_some());
         assert!(all.quadrature.lr.p.unwrap() < 0.01);
+    }
+
+    #[test]
+    fn conditions_that_separate_the_answers_whole_have_no_coefficient_and_still_a_ratio() {
+        let people: Vec<String> = (0..16).map(|i| (i / 2).to_string()).collect();
+        let conditions: Vec<String> = (0..16).map(|i| ["a", "b"][i % 2].to_owned()).collect();
+        let answers: Vec<_> = (0..16).map(|i| Some([1.0, 0.0][i % 2])).collect();
+        let found = ordinal(&people, &conditions, &answers).unwrap();
+        let fit = &found.quadrature;
+        assert!(fit.coef.get("b").unwrap().estimate.is_none() && fit.variance.subject.is_none());
+        assert!(fit.log_likelihood.unwrap().abs() < 1e-9);
+        // Without conditions each answer is a coin's: nobody differs, and every row costs ln 2.
+        let coins = 2.0 * 16.0 * std::f64::consts::LN_2;
+        assert!((fit.lr.chi2.unwrap() - coins).abs() < 1e-6, "{:?}", fit.lr);
+    }
+
+    #[test]
+    fn a_pair_without_a_finite_difference_has_a_ratio_and_one_with_it_has_none() {
+        let (people, conditions, answers) = made([4; 8]);
+        let none: &[usize] = &[];
+        let of = |answers: &[Option<f64>]| {
+            let (model, finite) = by_period(&people, &conditions, none, answers).unwrap();
+            let columns = (&people[..], &conditions[..], none, answers);
+            ratios_of_pairs(columns, &model, &finite).unwrap()
+        };
+        let ratios = of(&answers);
+        let names: Vec<&str> = ratios.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["a|c", "b|c"]);
+        // Everybody answers 4 after c, and one or two of eight after a and b.
+        assert!(ratios.iter().all(|(_, chi2)| *chi2 > 4.0), "{ratios:?}");
+        // Of two conditions it is the ratio of all.
+        let keep: Vec<usize> = (0..24).filter(|i| conditions[*i] != "b").collect();
+        let pick = |from: &[String]| keep.iter().map(|&i| from[i].clone()).collect::<Vec<_>>();
+        let (people, conditions) = (pick(&people), pick(&conditions));
+        let two: Vec<_> = keep.iter().map(|&i| answers[i]).collect();
+        let (model, finite) = by_period(&people, &conditions, &[], &two).unwrap();
+        let columns = (&people[..], &conditions[..], none, &two[..]);
+        let of_two = ratios_of_pairs(columns, &model, &finite).unwrap();
+        let [(_, ratio)] = &of_two[..] else {
+            panic!("one pair");
+        };
+        assert!((ratio - model.quadrature.lr.chi2.unwrap()).abs() < 1e-8);
+        let (.., scattered) = made([1, 1, 2, 2, 1, 3, 1, 2]);
+        let (people, conditions, _) = made([1; 8]);
+        let (model, finite) = by_period(&people, &conditions, &[], &scattered).unwrap();
+        let columns = (&people[..], &conditions[..], none, &scattered[..]);
+        assert!(
+            ratios_of_pairs(columns, &model, &finite)
+                .unwrap()
+                .is_empty()
+        );
     }
 
     #[test]

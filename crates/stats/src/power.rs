@@ -25,15 +25,28 @@ pub enum PlannedTest {
         /// The correlation expected.
         effect: f64,
     },
-    /// A one-way repeated-measures analysis of variance; `effect` is partial eta squared
-    /// of the population means (f² = η² / (1 - η²), between-subject metric as G*Power's).
+    /// A one-way repeated-measures analysis of variance by the spread of the population means beside that of people: not the partial eta
+    /// squared that an analysis of variance prints, which is several times larger where a person's values go together.
     RmAnova {
-        /// Partial eta squared.
+        /// Eta squared in the metric between subjects, as G*Power's default: η² / (1 - η²) = f², the variance of the k means (over k) over
+        /// that of people in one condition.
         effect: f64,
         /// Conditions.
         k: usize,
         /// Correlation of two conditions over subjects.
         corr: f64,
+        /// Greenhouse and Geisser's ε, from 1/(k-1) to 1.
+        epsilon: f64,
+    },
+    /// The same by the partial eta squared that [`rm_anova`](crate::rm_anova()) prints, SSc / (SSc + SSe).
+    ///
+    /// η² / (1 - η²) · (1 - corr) (k-1) (n-1) / (n k) is the f² of [`PlannedTest::RmAnova`]. A sample's is larger than the population's
+    /// by chance, the more the smaller the sample.
+    RmAnovaPartial {
+        /// Partial eta squared.
+        eta2_partial: f64,
+        /// Conditions.
+        k: usize,
         /// Greenhouse and Geisser's ε, from 1/(k-1) to 1.
         epsilon: f64,
     },
@@ -79,7 +92,8 @@ const MOST_SUBJECTS: usize = 1_000_000;
 ///
 /// # Source
 /// Noncentral t with ncp = dz √n; Fisher's z with its bias term r/(2(n-1)), as R's `pwr`;
-/// noncentral F with ncp = f² n k ε / (1 - corr), as pingouin's `power_rm_anova`.
+/// noncentral F with ncp = f² n k ε / (1 - corr), as pingouin's `power_rm_anova`, or with ncp = η² / (1 - η²) (n-1) (k-1) ε of a
+/// partial eta squared.
 ///
 /// # Example
 /// ```
@@ -117,6 +131,15 @@ fn check(question: &PowerQuestion) -> Result<(), StatsError> {
             .ok_or_else(|| StatsError::parameter(name, &format!("between {low} and {high}"), found))
     };
     inside("alpha", question.alpha, 0.0, 1.0)?;
+    let of_conditions = |k: usize, epsilon: f64| {
+        StatsError::two_conditions(k)?;
+        let least = 1.0 / (k as f64 - 1.0);
+        // What was rounded where it was printed is let through.
+        let fine = epsilon > least - 1e-9 && epsilon < 1.0 + 1e-9;
+        let expected = format!("from {least:.3} to 1");
+        fine.then_some(())
+            .ok_or_else(|| StatsError::parameter("epsilon", &expected, epsilon))
+    };
     match question.test {
         PlannedTest::PairedT { effect } => inside("effect", effect, -1e6, 1e6),
         PlannedTest::Pearson { effect } => inside("effect", effect, -1.0, 1.0),
@@ -126,17 +149,32 @@ fn check(question: &PowerQuestion) -> Result<(), StatsError> {
             corr,
             epsilon,
         } => {
-            StatsError::two_conditions(k)?;
+            of_conditions(k, epsilon)?;
             inside("effect", effect, -f64::MIN_POSITIVE, 1.0)?;
-            inside("corr", corr, -1.0, 1.0)?;
-            inside(
-                "epsilon",
-                epsilon,
-                1.0 / (k as f64 - 1.0) - 1e-9,
-                1.0 + 1e-9,
-            )
+            // Less is no correlation that all pairs of so many conditions can have.
+            inside("corr", corr, -1.0 / (k as f64 - 1.0), 1.0)
+        }
+        PlannedTest::RmAnovaPartial {
+            eta2_partial,
+            k,
+            epsilon,
+        } => {
+            of_conditions(k, epsilon)?;
+            inside("eta2_partial", eta2_partial, -f64::MIN_POSITIVE, 1.0)
         }
     }
+}
+
+/// Power of an F test of `k` conditions in `size` people, degrees of freedom times `epsilon`; `ncp` from those of the error.
+fn f_power(
+    (size, k, epsilon): (f64, usize, f64),
+    alpha: f64,
+    ncp: impl Fn(f64) -> f64,
+) -> Option<f64> {
+    let d1 = (k as f64 - 1.0) * epsilon;
+    let d2 = d1 * (size - 1.0);
+    let critical = f_quantile_upper(alpha, d1, d2)?;
+    Some(1.0 - f_lower(critical, d1, d2, ncp(d2)))
 }
 
 fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
@@ -169,13 +207,18 @@ fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
             corr,
             epsilon,
         } => {
-            let k = k as f64;
-            let ncp = effect / (1.0 - effect) * size * k * epsilon / (1.0 - corr);
-            let d1 = (k - 1.0) * epsilon;
-            let d2 = d1 * (size - 1.0);
-            let critical = f_quantile_upper(alpha, d1, d2)?;
-            Some(1.0 - f_lower(critical, d1, d2, ncp))
+            let people = size * k as f64 * epsilon / (1.0 - corr);
+            f_power((size, k, epsilon), alpha, |_| {
+                effect / (1.0 - effect) * people
+            })
         }
+        PlannedTest::RmAnovaPartial {
+            eta2_partial,
+            k,
+            epsilon,
+        } => f_power((size, k, epsilon), alpha, |d2| {
+            eta2_partial / (1.0 - eta2_partial) * d2
+        }),
     }
 }
 
@@ -204,4 +247,93 @@ fn smallest_n(question: &PowerQuestion) -> Option<usize> {
 /// z for a two-sided interval of that confidence.
 pub(crate) fn z_for(confidence: f64) -> f64 {
     normal_quantile(0.5 + 0.5 * confidence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(test: PlannedTest, n: usize) -> PowerAnswer {
+        let question = PowerQuestion {
+            test,
+            n,
+            alpha: 0.05,
+        };
+        power(&[question]).unwrap().row.remove(0)
+    }
+
+    #[test]
+    fn a_printed_partial_eta_squared_is_not_that_of_the_means_between_people() {
+        let (k, epsilon, corr) = (4, 1.0, 0.5);
+        let partial = |eta2_partial: f64, n: usize, epsilon: f64| {
+            let test = PlannedTest::RmAnovaPartial {
+                eta2_partial,
+                k,
+                epsilon,
+            };
+            of(test, n)
+        };
+        let between = |effect: f64| {
+            let test = PlannedTest::RmAnova {
+                effect,
+                k,
+                corr,
+                epsilon,
+            };
+            of(test, 24)
+        };
+        // scipy.stats: ncf.sf(f.isf(.05, d1, d2), d1, d2, eta2 / (1 - eta2) * d2), d1 = 3 eps, d2 = d1 (n - 1).
+        let printed = partial(0.08, 24, 1.0);
+        assert!((printed.power.unwrap() - 0.493_150_534_980).abs() < 1e-9);
+        assert_eq!(printed.n_for_80, Some(45));
+        let few = partial(0.1, 12, 0.7).power.unwrap();
+        assert!((few - 0.244_519_440_562).abs() < 1e-9);
+        // Means of -.25, 0, 0 and .25 standard deviations of people; the f² of .08 by the formula at the variant.
+        let f2: f64 = 0.031_25;
+        let same = between(f2 / (1.0 + f2)).power.unwrap();
+        assert!((same - printed.power.unwrap()).abs() < 1e-9);
+        let converted = 0.08 / 0.92 * (1.0 - corr) * 3.0 * 23.0 / (24.0 * 4.0);
+        assert!((converted - f2).abs() < 1e-12);
+        assert!((between(0.08).power.unwrap() - 0.930_476_397_717).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_correlation_that_so_many_conditions_cannot_share_is_refused() {
+        let of_corr = |corr: f64| {
+            let test = PlannedTest::RmAnova {
+                effect: 0.1,
+                k: 4,
+                corr,
+                epsilon: 1.0,
+            };
+            let question = PowerQuestion {
+                test,
+                n: 24,
+                alpha: 0.05,
+            };
+            power(&[question])
+        };
+        assert!(of_corr(-0.3).is_ok());
+        let refused = of_corr(-0.4).unwrap_err().to_string();
+        assert!(refused.starts_with("`corr`"), "{refused}");
+    }
+
+    #[test]
+    fn a_partial_eta_squared_outside_its_range_is_refused_by_name() {
+        let refused = |eta2_partial: f64, epsilon: f64| {
+            let test = PlannedTest::RmAnovaPartial {
+                eta2_partial,
+                k: 4,
+                epsilon,
+            };
+            let question = PowerQuestion {
+                test,
+                n: 24,
+                alpha: 0.05,
+            };
+            power(&[question]).unwrap_err().to_string()
+        };
+        assert!(refused(1.0, 1.0).starts_with("`eta2_partial`"));
+        assert!(refused(0.1, 0.2).starts_with("`epsilon`"));
+    }
 }

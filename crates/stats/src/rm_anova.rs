@@ -32,7 +32,8 @@ pub struct RmAnova {
     pub ss_error: f64,
     /// SSc / (SSc + SSe).
     pub eta2_partial: Option<f64>,
-    /// Its 90 % interval, by the noncentral F: ncp / (ncp + df2).
+    /// Its 90 % interval, by the noncentral F: ncp / (ncp + df2); from 0 to 0 where even the central F has less than 5 % below
+    /// (Steiger 2004): that leaves the estimate out, which lies above the population's value on average.
     #[serde(flatten, with = "crate::interval::eta2_partial_ci90")]
     pub eta2_partial_ci90: Interval,
     /// SSc / (SSc + SSe + SSs).
@@ -45,7 +46,7 @@ pub struct RmAnova {
     /// (SSc - df1 MSe) / (SSc + SSe + SSs + MSs); it may be negative.
     pub omega2_partial: Option<f64>,
     /// Its 90 % interval: ncp MSe in the place of SSc - df1 MSe, above and
-    /// below. Never negative, as the population's value.
+    /// below. Never negative, as the population's value: none where the estimate is.
     #[serde(flatten, with = "crate::interval::omega2_partial_ci90")]
     pub omega2_partial_ci90: Interval,
     /// What other programs print for the same data.
@@ -160,6 +161,12 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         ];
         reasons.note_ends(&intervals, "there is no F to invert");
     }
+    let of_omega = interval.filter(|_| f.is_some_and(|f| f >= 1.0));
+    if of_omega.is_none() {
+        let reason =
+            "the estimate is below 0, and an interval of what the population may have is not";
+        reasons.note_ends(&["omega2_partial_ci90"], reason);
+    }
     if effect <= 0.0 {
         let reason = "neither conditions nor error vary: it is 0/0";
         reasons.note("eta2_partial", reason);
@@ -196,7 +203,65 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         eta2_generalized_ci90: interval.map(share_of_all),
         omega2_partial: (total > 0.0)
             .then(|| (ss_condition - d1 * ms_error) / (total + ms_subject)),
-        omega2_partial_ci90: interval.map(share_less_error),
+        omega2_partial_ci90: Interval::from(of_omega).map(share_less_error),
     };
     (anova, reasons)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(rows: &[Vec<f64>]) -> (RmAnova, Reasons) {
+        let names: Vec<String> = (0..rows.len().max(rows[0].len()))
+            .map(|i| i.to_string())
+            .collect();
+        let (conditions, subjects) = (&names[..rows[0].len()], &names[..rows.len()]);
+        let data = WithinSubjects::from_rows(conditions, subjects, rows).unwrap();
+        test(&data, &decompose(&data))
+    }
+
+    /// F, and whether omega squared has an interval, which then holds it.
+    fn interval(rows: &[Vec<f64>]) -> (f64, bool) {
+        let (anova, reasons) = of(rows);
+        let ci = anova.omega2_partial_ci90;
+        let reason = reasons.get("omega2_partial_ci90_high");
+        assert_eq!(ci.high.is_none(), reason.is_some(), "{reason:?}");
+        assert_eq!(ci.holding(anova.omega2_partial), ci);
+        (anova.f.unwrap(), ci.ends().is_some())
+    }
+
+    #[test]
+    fn an_interval_of_omega_squared_holds_it_or_does_not_exist() {
+        let below_1 = [
+            [1.0, 2.0, 4.0],
+            [3.0, 2.0, 1.0],
+            [2.0, 5.0, 3.0],
+            [4.0, 4.0, 6.0],
+        ];
+        let (f, omega) = interval(&below_1.map(Vec::from));
+        assert!((f - 0.549_295_774_648).abs() < 1e-9 && !omega);
+        let above_1 = [
+            [1.0, 2.0, 4.0],
+            [3.0, 2.0, 1.0],
+            [2.0, 5.0, 6.0],
+            [4.0, 4.0, 6.0],
+        ];
+        let (f, omega) = interval(&above_1.map(Vec::from));
+        assert!((f - 1.563_380_281_690).abs() < 1e-9 && omega);
+    }
+
+    #[test]
+    fn an_f_near_0_has_an_interval_from_0_to_0_which_no_sentence_prints() {
+        let kept = [
+            vec![-0.45, -1.86, 1.47, 3.25],
+            vec![1.51, 2.4, 2.41, 1.92],
+            vec![2.91, 3.27, 1.73, 0.32],
+        ];
+        let (anova, _) = of(&kept);
+        assert!((anova.f.unwrap() - 0.093_024_424_944).abs() < 1e-9);
+        assert_eq!(anova.eta2_partial_ci90.ends(), Some((0.0, 0.0)));
+        let holding = anova.eta2_partial_ci90.holding(anova.eta2_partial);
+        assert_eq!(holding, Interval::default());
+    }
 }

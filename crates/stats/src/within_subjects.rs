@@ -24,7 +24,7 @@ impl WithinSubjects {
     ///
     /// # Errors
     /// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`];
-    /// [`StatsError::TooLarge`]; [`StatsError::DoubleCell`]; [`StatsError::TooFewConditions`];
+    /// [`StatsError::TooLarge`]; [`StatsError::DoubleCell`]; [`StatsError::JoinedName`]; [`StatsError::TooFewConditions`];
     /// [`StatsError::TooFew`] if fewer than two subjects are complete.
     ///
     /// # Example
@@ -152,6 +152,7 @@ impl WithinSubjects {
         values: Vec<f64>,
     ) -> Result<Self, StatsError> {
         StatsError::two_conditions(conditions.len())?;
+        tell_apart(&[conditions.as_slice()])?;
         complete::enough("subject", subjects.len(), dropped.len(), 2)?;
         Ok(Self {
             conditions,
@@ -255,6 +256,33 @@ pub(crate) fn pairs(names: &[String]) -> Vec<(usize, usize, String)> {
     pairs
 }
 
+/// Refuses levels of which two cells of all these factors, or two pairs of cells, would have one name: results stand by name, and one
+/// would be lost.
+pub(crate) fn tell_apart(factors: &[&[String]]) -> Result<(), StatsError> {
+    let mut levels = factors.iter().flat_map(|levels| levels.iter());
+    let Some((first, others)) = factors.split_first() else {
+        return Ok(());
+    };
+    if !levels.any(|level| level.contains([':', '|'])) {
+        return Ok(());
+    }
+    let cells = others.iter().fold(first.to_vec(), |cells, levels| {
+        let mut longer = Vec::new();
+        for cell in &cells {
+            longer.extend(levels.iter().map(|level| format!("{cell}:{level}")));
+        }
+        longer
+    });
+    let pairs: Vec<String> = pairs(&cells).into_iter().map(|(.., name)| name).collect();
+    for (what, names) in [("cell", &cells), ("pair", &pairs)] {
+        if let Some(name) = Index::from_labels(names).repeated {
+            let what = what.to_owned();
+            return Err(StatsError::JoinedName { what, name });
+        }
+    }
+    Ok(())
+}
+
 /// Every pair of items, in order.
 pub(crate) fn each_pair<T>(items: &[T]) -> impl Iterator<Item = (&T, &T)> {
     let firsts = items.iter().enumerate();
@@ -318,6 +346,27 @@ mod tests {
         let error =
             WithinSubjects::from_long(&names("a a a"), &names("x y x"), &[Some(1.0), None, None]);
         assert!(matches!(error, Err(StatsError::DoubleCell { .. })));
+    }
+
+    #[test]
+    fn levels_whose_joined_names_coincide_are_refused_and_others_are_not() {
+        let said = |factors: &[&str]| {
+            let levels: Vec<Vec<String>> = factors.iter().map(|text| names(text)).collect();
+            let levels: Vec<&[String]> = levels.iter().map(Vec::as_slice).collect();
+            let refused = tell_apart(&levels).err();
+            refused.map(|e| (e.to_string(), e.suggestion().is_some()))
+        };
+        let (pair, helped) = said(&["x y|z x|y z"]).unwrap();
+        assert!(pair.contains("two pairs") && pair.contains("`x|y|z`") && helped);
+        let (cell, helped) = said(&["a a:b", "b:c c"]).unwrap();
+        assert!(cell.contains("two cells") && cell.contains("`a:b:c`") && helped);
+        for fine in [&["x y|z z"][..], &["a a:b", "c d"], &["x y z", "a b"]] {
+            assert_eq!(said(fine), None, "{fine:?}");
+        }
+        let rows = [vec![1.0, 2.0, 3.0, 4.0], vec![2.0, 3.0, 5.0, 4.0]];
+        let conditions = ["x", "y|z", "x|y", "z"];
+        let data = WithinSubjects::from_rows(&conditions, &["1", "2"], &rows);
+        assert!(matches!(data, Err(StatsError::JoinedName { .. })));
     }
 
     #[test]

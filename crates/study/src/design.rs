@@ -193,6 +193,12 @@ impl DesignFile {
         self.people(given.or_else(|| beside.is_file().then_some(beside.as_path())))
     }
 
+    /// Refuses what is not to be declared before there are data: a primary outcome whose test can never be run.
+    pub(crate) fn declarable(&self) -> Result<(), StudyError> {
+        let checked = self.design.runnable();
+        checked.map_err(|error| self.wrong(error.to_string(), error.suggestion()))
+    }
+
     /// The name of the file, for messages.
     pub fn name(&self) -> String {
         let path = self.path.as_ref();

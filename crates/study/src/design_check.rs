@@ -294,6 +294,9 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
         ));
     }
     notes.extend(covariates_of_words(design, &enrolled));
+    if let Err(error) = design.runnable() {
+        notes.push(format!("{error}: this outcome will not be testable"));
+    }
     if let Some(balance) = balance_of(study, &enrolled.enrolled) {
         notes.extend(maveric_pages::orders(design, &balance)?);
     }
@@ -361,6 +364,24 @@ mod tests {
             told.starts_with(
                 "P05 is left out: withdrew; the covariate `years` of `P02` is `tbd`, expected a number"
             ),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn a_primary_outcome_whose_test_can_never_be_run_is_told() {
+        let people = "participant,part,years\nP01,test,41\n";
+        let primary = |test: &str| {
+            format!(
+                "[[condition]]\nid = \"sporty\"\n[[outcome]]\nmeasure = \"mean_velocity_mps\"\nprimary = true\ntest = \"{test}\"\n\
+                 contrast = [\"sporty\", \"calm\"]\n"
+            )
+        };
+        assert_eq!(said(people, &primary("mixed")), "");
+        let told = said(people, &primary("ordinal"));
+        assert!(
+            told.contains("`ordinal` beside the [[covariate]] `years`")
+                && told.ends_with("this outcome will not be testable"),
             "{told}"
         );
     }

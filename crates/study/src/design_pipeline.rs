@@ -3,9 +3,13 @@
 use crate::{
     design::{DESIGN_FILE, DesignFile},
     stages::ingest::{Ingest, logs_of_study},
+    tables::surveys::read_answered,
     texts,
 };
-use maveric_domain::design::{By, Condition, Software};
+use maveric_domain::{
+    Design, Moment, Ride,
+    design::{By, Condition, Software},
+};
 use minijinja::{Value, context};
 use path_slash::PathExt as _;
 use std::path::Path;
@@ -22,6 +26,12 @@ pub fn design_pipeline(study: &DesignFile) -> String {
     let there = Data::for_study(study);
     let needs_model = design.needs_a_model() && there.logs;
     let simulates = simulates && there.logs;
+    let by_hand = design.baseline().is_some_and(|b| b.by == By::Hand);
+    // The answers that an export of made-up people has are ratings too.
+    let made_up_ratings = design.synthetic()
+        && simulates
+        && by_hand
+        && !is_rated(design, &study.resolve(&design.files().answers));
     let paths = paths(study, simulates);
     let given = paths.iter().map(|(name, _)| (*name, Value::from(true)));
     let values = context! {
@@ -38,7 +48,7 @@ pub fn design_pipeline(study: &DesignFile) -> String {
         needs_model,
         learns => needs_model && design.model().is_none(),
         style => design.style().is_some(),
-        made_up_ratings => design.synthetic() && simulates && design.baseline().is_some_and(|b| b.by == By::Hand),
+        made_up_ratings,
         given => Value::from_pairs(given),
         paths,
     };
@@ -76,6 +86,22 @@ impl Data {
     }
 }
 
+/// Whether a table of answers has any that was given after a condition, and not after a role of its name; what is no such table is for the
+/// stage to say.
+fn is_rated(design: &Design, answers: &Path) -> bool {
+    let answered = answers.is_file().then(|| read_answered(answers));
+    let Some(Ok(answered)) = answered else {
+        return false;
+    };
+    let is_rating = |moment: Moment| match moment {
+        Moment::After(Ride { condition, .. }) => {
+            design.condition(condition).is_some() && design.role(condition).is_none()
+        }
+        _ => false,
+    };
+    answered.answers.iter().any(|a| is_rating(a.moment))
+}
+
 /// A path as it stands in a pipeline file.
 fn quoted(path: &Path) -> String {
     format!("{:?}", path.to_slash_lossy())
@@ -107,7 +133,6 @@ fn paths(study: &DesignFile, simulates: bool) -> Vec<(&'static str, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use maveric_domain::Design;
 
     fn written(more: &str) -> toml::Table {
         let text = format!("[study]\ntitle = \"x\"\n{more}");
@@ -123,6 +148,31 @@ mod tests {
         let stages = written["stage"].as_array().unwrap().iter();
         let name = |stage: &toml::Value| stage["name"].as_str().unwrap().to_owned();
         stages.map(name).collect()
+    }
+
+    #[test]
+    fn made_up_people_who_rated_already_are_not_asked_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "[study]\ntitle = \"x\"\nsynthetic = true\n[people]\nlearn = { study = 1 }\n[style]\nscore = \"adb.total\"\n\
+                    [baseline]\nid = \"own\"\n[[condition]]\nid = \"calm\"\ncar = { dial = -15 }\n[[condition]]\nid = \"fast\"\ncar = { dial = 15 }\n[[role]]\nid = \"fast\"\n";
+        let study = DesignFile {
+            path: Some(folder.path().join(DESIGN_FILE)),
+            design: Design::from_toml(text).unwrap(),
+        };
+        std::fs::create_dir_all(folder.path().join("logs")).unwrap();
+        std::fs::create_dir_all(folder.path().join("surveys")).unwrap();
+        std::fs::write(folder.path().join("logs/P1-own.mcap"), "").unwrap();
+        let rates = |moment: &str| {
+            let rows = format!("participant,moment,scale,item,answer\nP1,{moment},comfort,1,4\n");
+            std::fs::write(folder.path().join("surveys/answers.csv"), rows).unwrap();
+            let written: toml::Table = toml::from_str(&design_pipeline(&study)).unwrap();
+            let mut stages = written["stage"].as_array().unwrap().iter();
+            stages.any(|stage| stage["name"].as_str() == Some("rate"))
+        };
+        assert!(rates("pre"));
+        // What was answered after a role of the same id rates no condition.
+        assert!(rates("fast"));
+        assert!(!rates("calm"));
     }
 
     #[test]

@@ -37,7 +37,8 @@ struct Counted {
     flow: Flow,
 }
 
-/// Whom and which drives the analysis among the results of a study left out, after those that are left out already.
+/// Whom and which drives the analysis among the results of a study left out, after those that the design and the list of stopped rides leave
+/// out by name, who are `left_out` already: of these the analysis says nothing, so that a line that was taken back leaves out nobody.
 ///
 /// # Errors
 /// [`StudyError`] for an analysis that cannot be read.
@@ -47,12 +48,19 @@ pub(crate) fn analysed(mut left_out: LeftOut, results: &Path) -> Result<LeftOut,
         return Ok(left_out);
     }
     let flow = read_json::<Counted>(&file)?.flow;
+    let by_name = |rule: Rule| Rule::BY_NAME.contains(&rule);
+    // Whoever had no drive left is out by the rule of a drive.
+    let still: BTreeSet<Why> = left_out.drives.values().cloned().collect();
     for row in flow.left_out {
+        let why = Why::by(row.rule, &row.why);
+        if by_name(row.rule) && !still.contains(&why) {
+            continue;
+        }
         for id in row.who {
-            left_out.and_person(ParticipantId::new(id)?, Why::by(row.rule, &row.why));
+            left_out.and_person(ParticipantId::new(id)?, why.clone());
         }
     }
-    for row in flow.drives {
+    for row in flow.drives.into_iter().filter(|row| !by_name(row.rule)) {
         for id in row.who {
             left_out.and_drive(DriveId::new(id)?, Why::by(row.rule, &row.why));
         }
@@ -63,7 +71,7 @@ pub(crate) fn analysed(mut left_out: LeftOut, results: &Path) -> Result<LeftOut,
 /// What there is to say of a table of people without a row.
 pub(crate) fn nobody_listed(table: &Path) -> StudyError {
     let problem = "has no row: nobody takes part";
-    let help = "write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24";
+    let help = "write a row for each who takes part, with the id of their logs and answers; `maveric design orders --people 24` writes P01 to P24, and `maveric seat` writes its own";
     StudyError::file(table, problem).with_help(help)
 }
 
@@ -198,4 +206,33 @@ pub fn counted<'a>(
     }
     let line = |(rule, n): (&str, usize)| format!("{} left out by {rule}", count(n, one, several));
     rules.into_iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_an_analysis_counts_what_it_alone_judges_and_not_a_rule_that_was_taken_back() {
+        let results = tempfile::tempdir().unwrap();
+        let flow = r#"{"flow": {"not_admitted": [], "recruited": 4, "drove": 4, "analysed": 1, "left_out": [
+            {"rule": "exclude.people", "why": "sick", "who": ["P1"]},
+            {"rule": "exclude.drives", "why": "no sound", "who": ["P2"]},
+            {"rule": "exclude.straight_lined", "why": "one answer", "who": ["P3"]}], "drives": [
+            {"rule": "exclude.drives", "why": "no sound", "who": ["P2-calm"]},
+            {"rule": "exclude.drive_shorter_than_s", "why": "drive shorter than 60 s", "who": ["P4-calm"]}]}}"#;
+        std::fs::write(results.path().join("analysis.json"), flow).unwrap();
+        let of = |rules: &str| {
+            let text =
+                format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[exclude]\n{rules}");
+            let named = LeftOut::named(&Design::from_toml(&text).unwrap());
+            let all = analysed(named, results.path()).unwrap();
+            let people = all.people.keys().map(ToString::to_string);
+            let drives = all.drives.keys().map(ToString::to_string);
+            people.chain(drives).collect::<Vec<_>>()
+        };
+        let rules = "people = { P1 = \"sick\" }\ndrives = { P2-calm = \"no sound\" }\n";
+        assert_eq!(of(rules), ["P1", "P2", "P3", "P2-calm", "P4-calm"]);
+        assert_eq!(of(""), ["P3", "P4-calm"]);
+    }
 }

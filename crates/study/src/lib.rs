@@ -38,7 +38,7 @@ pub use design_check::{check_design, study_notes};
 pub use design_pipeline::design_pipeline;
 pub use error::StudyError;
 pub use missing::missing;
-pub use named_files::check_named_files;
+pub use named_files::{check_named_files, check_people};
 pub use outcome::{Outcome, Progress, Watch};
 pub use stage::{Files, Stage};
 pub use style::style_figures;

@@ -1,6 +1,6 @@
-//! Files and folders that a design names under `[files]`: by their usual names they may be yet to come, by others they are there.
+//! What has to be there before a run: files and folders that a design names under `[files]` (by their usual names they may be yet to come), and people.
 
-use crate::{design::DesignFile, error::StudyError};
+use crate::{design::DesignFile, error::StudyError, gate::nobody_listed};
 use maveric_domain::design::{Files, Mappings};
 use path_slash::PathExt as _;
 use std::path::Path;
@@ -46,6 +46,18 @@ pub fn check_named_files(study: &DesignFile, results: &Path) -> Result<(), Study
             Some(help.to_owned()),
         )),
     }
+}
+
+/// Refuses a table of people without a row, which lets nobody in.
+///
+/// # Errors
+/// [`StudyError`] naming the table and what to do; for a table that cannot be read.
+pub fn check_people(study: &DesignFile) -> Result<(), StudyError> {
+    let table = study.people_file(None);
+    if table.is_file() && study.people(None)?.enrolled.is_empty() {
+        return Err(nobody_listed(&table));
+    }
+    Ok(())
 }
 
 #[cfg(test)]

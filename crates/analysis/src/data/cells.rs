@@ -35,7 +35,8 @@ pub(super) fn sat(ride: Ride) -> (Sat, NonZeroU32) {
 pub(super) struct Cell {
     pub(super) values: MeasureValues,
     pub(super) counted_s: Option<f64>,
-    pub(super) rides: usize,
+    /// Which of the rides stayed.
+    pub(super) rides: BTreeSet<NonZeroU32>,
 }
 
 impl Cell {
@@ -52,7 +53,7 @@ impl Cell {
                 .map(|(measure, values)| (measure, mean(&values)))
                 .collect(),
             counted_s: mean(&counted),
-            rides: rides.len(),
+            rides: rides.keys().copied().collect(),
         }
     }
 }
@@ -89,6 +90,16 @@ impl Scores {
             }
         }
         self
+    }
+
+    /// Which rides of a condition in a session have a score, said after them or on the way; `first` is its first ride.
+    pub(super) fn rides(&self, p: &ParticipantId, first: Ride) -> BTreeSet<NonZeroU32> {
+        let moments = [Moment::After(first), Moment::Probe(first)];
+        let of_scores = self.0.values().flat_map(BTreeMap::values);
+        let of_moments =
+            of_scores.flat_map(|score| moments.iter().filter_map(move |m| score.get(m)));
+        let rides = of_moments.filter_map(|people| people.get(p));
+        rides.flat_map(BTreeMap::keys).copied().collect()
     }
 
     /// The score of a moment, of several rides in the condition their mean.

@@ -53,9 +53,12 @@ impl StudyData {
         cell.values.get(measure).copied().flatten()
     }
 
-    /// How many rides of a participant in a condition of the first session count.
+    /// How many rides of a participant in a condition of the first session count: those that were driven, and those of which something was said.
     pub fn rides(&self, participant: &ParticipantId, condition: ConditionId) -> usize {
-        self.cell(participant, condition).map_or(0, |c| c.rides)
+        let mut rides = self.post.rides(participant, condition.into());
+        let cell = self.cell(participant, condition);
+        rides.extend(cell.into_iter().flat_map(|cell| &cell.rides));
+        rides.len()
     }
 
     /// The measures of a participant's drive; of several rides in a condition of the first session their means.

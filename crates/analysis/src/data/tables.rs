@@ -89,6 +89,7 @@ impl Who {
         let first_session = |ride: &Ride| ride.occasion.session == FIRST;
         let mut left_out = LeftOut::named(design)
             .with_stopped(&tables.stopped)
+            .with_excluded(&tables.stopped)
             .with_careless(design, &tables.scales, &tables.answers)
             .with_short(design, &judged)
             .with_few_conditions(design, came.clone().filter(|(_, ride)| first_session(ride)));

@@ -90,6 +90,52 @@ fn a_stopped_ride_is_left_out_with_what_was_said_of_it_and_named_with_its_condit
 }
 
 #[test]
+fn what_the_experimenter_did_is_said_as_it_was_done_and_all_of_a_person_is_one_loss() {
+    let design = Design::from_toml("[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"").unwrap();
+    let who = |id: &str| ParticipantId::new(id).unwrap();
+    let stop = |id: &str, condition: &str, reason: &str| Stopped {
+        participant: who(id),
+        condition: condition.parse().unwrap(),
+        session: first(),
+        trial: first(),
+        time_s: 34.0,
+        reason: reason.to_owned(),
+    };
+    let stopped = [
+        stop("P1", "a", "excluded: wrong glasses"),
+        stop("P1", "own", "excluded: wrong glasses"),
+        stop("P2", "a", "skipped: the rig broke"),
+        stop("P3", "a", "aborted"),
+        stop("P4", "a", "excluded"),
+    ];
+    assert!(!stopped.iter().any(Stopped::by_the_person));
+    assert!(stop("P5", "a", "misc >= 6").by_the_person());
+    let left_out = LeftOut::named(&design).with_stopped(&stopped);
+    assert!(left_out.keeps_person(&who("P1")) && !left_out.keeps(&who("P1"), stopped[0].ride()));
+    let left_out = left_out.with_excluded(&stopped);
+    let there: BTreeSet<ParticipantId> = ["P1", "P2", "P3", "P5"].map(who).into();
+    let flow = crate::flow::flow(&design, &[], &there, &left_out, (&[], Vec::new()));
+    let rows = |rows: &[crate::LeftOutFor]| -> Vec<String> {
+        let row = |row: &crate::LeftOutFor| format!("{}: {}", row.who.join(" "), row.why);
+        rows.iter().map(row).collect()
+    };
+    assert_eq!(
+        rows(&flow.left_out),
+        ["P1: by the experimenter: wrong glasses"]
+    );
+    assert_eq!((flow.recruited, flow.drove, flow.analysed), (4, 4, 3));
+    // P4 is not among those who were to be tested: what they drove is told by its name.
+    assert_eq!(
+        rows(&flow.drives),
+        [
+            "P3-a: `a` was aborted",
+            "P2-a: `a` was skipped: the rig broke",
+            "P4-a: by the experimenter"
+        ]
+    );
+}
+
+#[test]
 fn of_several_rides_each_is_judged_alone_and_one_too_many_is_named_with_what_was_declared() {
     let text = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[baseline]\nid = \"own\"\n\
                 [protocol]\nrides_per_condition = 2\nsessions = { count = 2, days_between = [2, 14] }\n\

@@ -27,13 +27,14 @@ pub(super) fn expected(panels: &[Panel], question: Question) -> Option<Finding> 
     (!parts.is_empty()).then(|| Finding::every(question, parts))
 }
 
-/// One declared contrast of one outcome is enough, whichever way it lies.
+/// One declared contrast of one outcome is enough, whichever way it lies; nothing is asked where no outcome has one.
 pub(super) fn differ(panels: &[Panel]) -> Option<Finding> {
     let part = |panel: &Panel| {
         let p = panel.contrasts.iter().filter_map(|c| c.p_holm);
         Part::differs(&panel.outcome, panel.n, (None, p.reduce(f64::min)))
     };
-    let parts: Vec<Part> = whole(panels).map(part).collect();
+    let compared = whole(panels).filter(|panel| !panel.contrasts.is_empty());
+    let parts: Vec<Part> = compared.map(part).collect();
     (!parts.is_empty()).then(|| Finding::one(Question::Differ, parts))
 }
 
@@ -44,7 +45,7 @@ mod tests {
         Analysis, Group, Verdict, finding,
         testing::{DESIGN, analysed, analysed_by, drive, plain, tables},
     };
-    use Verdict::{Fails, NotAsked, NotShown, Shown, TooFew};
+    use Verdict::{Fails, NotAsked, NotShown, NotTestable, Shown, TooFew};
     use maveric_domain::design::Sign;
 
     /// Eight people whose fast car is `faster` m/s above the own drive, and their slow one as much below it.
@@ -140,6 +141,14 @@ mod tests {
         several.contrasts.push(open);
         assert_eq!(differ(&[several]).unwrap().verdict, Shown);
         assert_eq!(judged(&[None], 0), NotAsked);
+        assert_eq!(judged(&[None], 24), NotTestable);
         assert_eq!(differ(&[]), None);
+        // One condition has no contrast, and is no part.
+        let (mut alone, mut beside) = (panels[0].clone(), panels[0].clone());
+        alone.contrasts.clear();
+        assert_eq!(differ(std::slice::from_ref(&alone)), None);
+        (beside.n, beside.contrasts[0].p_holm) = (24, Some(0.04));
+        let found = differ(&[alone, beside]).unwrap();
+        assert_eq!((found.verdict, found.parts.len()), (Shown, 1));
     }
 }

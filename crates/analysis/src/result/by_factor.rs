@@ -38,7 +38,7 @@ pub struct LevelMean {
     pub n: usize,
     /// The mean, in the unit of the panel.
     pub mean: f64,
-    /// Ends of its 95 % interval, which compares people with others.
+    /// Ends of its 95 % interval, which compares people with others, by the variance of each group on its own.
     pub interval: Option<(f64, f64)>,
     /// Ends of the 95 % interval that compares the levels within people (Cousineau and Morey, each group on its own); of a cell of all
     /// factors where one of them is within people.

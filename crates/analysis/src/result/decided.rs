@@ -28,17 +28,23 @@ pub struct PrimaryOutcome {
     /// The outcome before it at which the gate closed: then there is neither p nor verdict.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub closed_by: Option<String>,
-    /// Mean difference, of a mixed model with the period taken out.
+    /// Mean difference, of a mixed model with the period taken out; as it was measured where there is no test.
     pub mean_difference: Option<f64>,
     /// Ends of its 95 % interval, of a mixed model.
     pub interval: Option<(f64, f64)>,
     /// What p is of, where the order of answers alone counts.
     #[serde(default)]
     pub odds: Option<Odds>,
+    /// Whether p is of the likelihood ratio, as the odds grow without bound.
+    #[serde(default)]
+    pub unbounded: bool,
     /// p of the contrast, two-sided, not adjusted: it is the only one that decides.
     pub p: Option<f64>,
     /// Whether p is below α.
     pub verdict: Verdict,
+    /// Why there is no p, where it cannot be tested.
+    #[serde(default)]
+    pub why_not: Option<String>,
 }
 
 /// A hypothesis of the design, judged.
@@ -78,4 +84,10 @@ pub struct Judged {
     /// Of a claim that the two are the same: the p by which it fails, that the difference lies outside the bounds.
     #[serde(default)]
     pub p_outside: Option<f64>,
+    /// Whether `p` is of the likelihood ratio, as the odds grow without bound.
+    #[serde(default)]
+    pub unbounded: bool,
+    /// Why there is no p, where it cannot be tested.
+    #[serde(default)]
+    pub why_not: Option<String>,
 }

@@ -5,6 +5,7 @@ use crate::balance::Balance;
 use maveric_domain::{ConditionId, design::Sign};
 use maveric_stats::{ByDesign, CarryOver, Effect};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A group of people, as the design's factors divide them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -45,11 +46,15 @@ pub struct Panel {
     pub rows: Vec<Vec<Option<f64>>>,
     /// Participants in the test.
     pub n: usize,
-    /// Participants left out for a missing value, or for an order that is not known.
+    /// Participants left out for a missing value, for an order that is not known, or for a factor or a covariate of which they have none.
     pub dropped: Vec<String>,
     /// Those of them whose order is not known, where the test takes the period.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without_order: Vec<String>,
+    /// Those of them who have no value of a factor or a covariate that the test takes, each with its column; whose order is not known
+    /// is not among them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub without_column: BTreeMap<String, String>,
     /// The test of the contrasts; none where nothing could be tested.
     pub test: Option<ContrastTest>,
     /// Why this test, a sentence a step.
@@ -65,7 +70,8 @@ pub struct Panel {
     pub carry_over: Option<CarryOver>,
     /// The declared contrasts: one family over everybody, and one over all groups of this outcome.
     pub contrasts: Vec<Contrast>,
-    /// Means, simple effects and declared contrasts of the factors' levels, where everybody was tested by several factors.
+    /// Means, simple effects and declared contrasts of the factors' levels, where everybody was tested by several factors; the means alone
+    /// where groups of people are compared with one another.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub by_factor: Option<ByFactor>,
 }
@@ -73,7 +79,9 @@ pub struct Panel {
 impl Panel {
     /// How many are not in the test for a missing value alone.
     pub fn lacking(&self) -> usize {
-        let lacks = |who: &&String| !self.without_order.contains(who);
+        let lacks = |who: &&String| {
+            !self.without_order.contains(who) && !self.without_column.contains_key(*who)
+        };
         self.dropped.iter().filter(lacks).count()
     }
 }
@@ -135,6 +143,10 @@ pub struct Contrast {
     /// What the test is of, where the order of answers alone counts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub odds: Option<Odds>,
+    /// The odds grow without bound, as where everybody gives the lowest answer in one of the two: the likelihood ratio is tested in their
+    /// place, and the statistic is its signed root.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub unbounded: bool,
 }
 
 /// The odds that one person's answer lies higher in the first condition, over those in the second: 1 is no difference.

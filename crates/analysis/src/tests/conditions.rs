@@ -204,3 +204,16 @@ fn parts_of_drives_are_told_of_counts_and_extremes_alone() {
         [[true, false], [false, false]]
     );
 }
+
+#[test]
+fn a_family_of_correlations_without_differences_from_the_own_style_is_told() {
+    let family = "[homophily]\nfactors = [\"mini_ipip\"]\nratings = [\"jian_trust.overall\"]\n";
+    let told = |text: &str| {
+        let a = analysed_by(text, tables());
+        let told = a.notes.iter().any(|note| note.contains("`[homophily]`"));
+        (told, a.homophily.is_empty())
+    };
+    assert_eq!(told(&plain(&["fast", "slow"], family)), (true, true));
+    assert_eq!(told(&plain(&["fast", "slow"], "")), (false, true));
+    assert_eq!(told(DESIGN), (false, false));
+}

@@ -71,6 +71,7 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
     let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
     assert_eq!(a.flow.recruited, 7);
     assert_eq!((a.flow.drove, a.flow.analysed), (6, 5));
+    assert_eq!(a.flow.absent, ["P7"]);
     let why: Vec<(&str, &[String])> = a
         .flow
         .left_out
@@ -97,6 +98,28 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
 }
 
 #[test]
+fn whoever_never_drove_is_absent_whatever_else_leaves_them_out() {
+    let mut with = with_people(AGES);
+    with.people
+        .extend([listed(6, false, &[]), listed(7, false, &[])]);
+    let rules = "[exclude]\npeople = { P1 = \"withdrew consent\", P7 = \"fell ill\" }\n";
+    let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
+    assert_eq!(a.flow.absent, ["P7", "P8"]);
+    let out = a.flow.left_out.iter();
+    let out: Vec<(&str, usize)> = out.map(|l| (l.why.as_str(), l.who.len())).collect();
+    assert_eq!(
+        out,
+        [
+            ("fell ill", 1),
+            ("withdrew consent", 1),
+            ("no drive and no answer in any condition", 1)
+        ]
+    );
+    let counts = (a.flow.recruited, a.flow.drove, a.flow.analysed);
+    assert_eq!(counts, (8, 6, 5));
+}
+
+#[test]
 fn whoever_has_no_baseline_drive_or_answered_nothing_is_named() {
     let whole = analysed(tables());
     assert!(whole.without_baseline.is_empty() && whole.without_answer.is_empty());
@@ -118,6 +141,7 @@ fn too_few_conditions_are_counted_from_drives_and_answers() {
     let rules = "[exclude]\nfewer_conditions_than = 2\n";
     let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
     assert_eq!(a.flow.left_out[0].why, "fewer than 2 conditions");
+    assert!(a.flow.absent.is_empty());
     assert_eq!((a.participants, a.flow.left_out[0].who.len()), (5, 1));
 }
 

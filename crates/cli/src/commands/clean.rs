@@ -46,8 +46,11 @@ impl Clean {
         };
         let removed = cleaned.removed.iter().map(|path| format!("{verb} {path}"));
         let kept = cleaned.kept.iter();
-        let kept =
-            kept.map(|path| format!("kept {path}: it was edited by hand (--force removes it)"));
+        let kept = kept.map(|path| {
+            format!(
+                "kept {path}: it was edited by hand, or its run was cut off (--force removes it)"
+            )
+        });
         let foreign = cleaned.foreign.iter();
         let foreign = foreign.map(|path| format!("kept {path}: no run made it"));
         let mut lines: Vec<String> = removed.chain(kept).chain(foreign).collect();

@@ -4,7 +4,7 @@ use super::{print_json, print_lines};
 use crate::{
     diagnostics::{Failure, tell},
     interrupt,
-    place::{PipelineArgs, check_named_files, place},
+    place::{PipelineArgs, check_named_files, check_people, place},
 };
 use maveric_pipeline::{
     Event, Outcome, Pipeline, RunOptions, RunReport, StageStatus, State, plan, run, why,
@@ -108,6 +108,7 @@ impl Run {
                 .map_err(Failure::pipeline("could not plan the run"))?;
             return print_statuses(self.format, &statuses);
         }
+        check_people(&file)?;
         let options = RunOptions {
             targets,
             jobs: self.jobs,
@@ -173,6 +174,12 @@ impl UpToDate {
     }
 }
 
+/// Stages that are told by name, of those that did not come to run.
+const TOLD_STAGES: usize = 10;
+
+/// Bytes of a command that are still told; the names of a shard's files may be megabytes.
+const LONGEST_COMMAND: usize = 4_000;
+
 fn say(event: &Event<'_>) {
     match event {
         Event::Started { stage, reasons, .. } => {
@@ -217,7 +224,8 @@ fn say(event: &Event<'_>) {
             tell!("{stage}: handed in as job {job}{tasks}");
         }
         Event::Resumed { stages } => {
-            tell!("following {stages} stages that an earlier run had handed in");
+            let (stages, was) = stages_that(*stages, "was", "were");
+            tell!("following {stages} that {was} handed in by an earlier run");
         }
         Event::Warning(warning) => tell!("warning: {warning}"),
         Event::Failed(failure) => {
@@ -228,7 +236,13 @@ fn say(event: &Event<'_>) {
             if let Some(log) = &failure.log {
                 tell!("  its log: {}", log.to_slash_lossy());
             }
-            tell!("  to repeat it alone: {}", failure.repeat);
+            match &failure.repeat {
+                Some(command) if command.len() > LONGEST_COMMAND => {
+                    tell!("  to repeat it alone: the command on the first line of its log");
+                }
+                Some(command) => tell!("  to repeat it alone: {command}"),
+                None => {}
+            }
         }
         _ => {}
     }
@@ -252,17 +266,66 @@ fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
     }
     match report.outcome {
         Outcome::Done => Ok(()),
-        Outcome::Failed => Err(Failure::Told),
-        Outcome::Interrupted => {
-            let on_cluster = report.stages.iter().filter(|s| s.state == State::Running);
-            match on_cluster.count() {
-                0 => {}
-                stages => tell!(
-                    "{stages} stages go on where they were handed in; the same command follows them again"
-                ),
+        Outcome::Failed => {
+            let not_run = report.stages.iter();
+            let not_run = not_run.filter(|s| matches!(s.state, State::Wanted | State::Ready));
+            let not_run: Vec<&str> = not_run.map(|s| s.stage.as_str()).collect();
+            let more = not_run.len().saturating_sub(TOLD_STAGES);
+            let names = not_run[..not_run.len() - more].join(", ");
+            match (not_run.len(), more) {
+                (0, _) => {}
+                (_, 0) => tell!("not run: {names}"),
+                _ => tell!("not run: {names} and {more} more"),
             }
-            Err(Failure::Interrupted)
+            Err(Failure::Told)
         }
+        Outcome::Interrupted => {
+            tell!("{}", interrupted(report));
+            Err(Failure::InterruptedRun)
+        }
+    }
+}
+
+/// What an interrupted run leaves: a stage may be any program, so that of its outputs half may be there.
+fn interrupted(report: &RunReport) -> String {
+    let on_cluster = report.stages.iter().filter(|s| s.state == State::Running);
+    let cut_off = report
+        .stages
+        .iter()
+        .filter(|s| s.state == State::Ready && !s.reasons.is_empty());
+    let cut_off: Vec<&str> = cut_off.map(|s| s.stage.as_str()).collect();
+    let mut text = "interrupted; the same command goes on from here".to_owned();
+    match cut_off.as_slice() {
+        [] => {}
+        [stage] => {
+            let _ = write!(
+                text,
+                "; stage {stage} did not finish: what it made so far is removed when it runs again"
+            );
+        }
+        stages => {
+            let _ = write!(
+                text,
+                "; stages {} did not finish: what they made so far is removed when they run again",
+                stages.join(", ")
+            );
+        }
+    }
+    match on_cluster.count() {
+        0 => {}
+        count => {
+            let (stages, go) = stages_that(count, "goes", "go");
+            let _ = write!(text, "; {stages} {go} on where the cluster has them");
+        }
+    }
+    text
+}
+
+/// A number of stages with the verb for it.
+fn stages_that(count: usize, one: &'static str, many: &'static str) -> (String, &'static str) {
+    match count {
+        1 => ("one stage".to_owned(), one),
+        count => (format!("{count} stages"), many),
     }
 }
 
@@ -281,4 +344,40 @@ pub(super) fn print_statuses(format: Format, statuses: &[StageStatus]) -> Result
         lines.extend(status.reasons.iter().map(|reason| format!("    {reason}")));
     }
     print_lines(&lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_pipeline::{Reason, StageResult};
+
+    #[test]
+    fn an_interrupted_run_says_whose_outputs_are_half_there() {
+        let report = |stages: &[(&str, State)]| RunReport {
+            outcome: Outcome::Interrupted,
+            stages: stages
+                .iter()
+                .map(|(name, state)| StageResult {
+                    stage: (*name).to_owned(),
+                    state: *state,
+                    reasons: name
+                        .starts_with("begun")
+                        .then_some(Reason::NeverRun)
+                        .into_iter()
+                        .collect(),
+                    seconds: None,
+                    peak_memory: None,
+                })
+                .collect(),
+            failures: Vec::new(),
+            warnings: Vec::new(),
+            summaries: Vec::new(),
+        };
+        let text = interrupted(&report(&[("a", State::Done), ("b", State::Ready)]));
+        assert_eq!(text, "interrupted; the same command goes on from here");
+        let text = interrupted(&report(&[("begun.1", State::Ready), ("b", State::Wanted)]));
+        assert!(text.contains("; stage begun.1 did not finish: what it made so far is removed"));
+        let text = interrupted(&report(&[("a", State::Running)]));
+        assert!(text.ends_with("; one stage goes on where the cluster has them"));
+    }
 }

@@ -206,6 +206,9 @@ impl Seat {
         for few in seat.few_donors().map_err(failure(OPENING))? {
             tell!("nobody new is let in: {}", few.with_remedy());
         }
+        if let Some(over) = seat.withdrawal_over() {
+            tell!("{over}");
+        }
         self.serve(seat, "/lab", made_up.as_deref())
     }
 

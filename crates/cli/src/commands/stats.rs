@@ -15,8 +15,9 @@ use std::sync::{LazyLock, Mutex};
 /// One test on a tidy table (CSV, Parquet or - for standard input), or the paper's whole analysis
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Each call's own --help says which columns its table needs. Every call also takes rows by --where and a column a condition by --wide,
-and gives the sentence alone by --apa, tables by --latex or --markdown, and a figure by --figure.
+Each call's own --help says which columns its table needs. Every call also takes rows by --where, and gives tables by --latex or
+--markdown. Those that compare conditions or groups take a column each by --wide. All but adjust, power and recheck give the sentence
+alone by --apa; all but these, mcnemar, cochran-q, normality, levene, alpha and bootstrap draw by --figure.
 Examples: maveric stats compare data.csv --subject id --within condition --value score
           maveric stats compare data.csv --wide slow,fast,other --where session=2 --figure scores.svg
           maveric stats correlate data.csv --x age --y speed --method auto --format json

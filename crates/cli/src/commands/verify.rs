@@ -53,6 +53,10 @@ fn lines(verification: &Verification) -> Vec<String> {
     if !verification.never_run.is_empty() {
         lines.push(format!("never run: {}", verification.never_run.join(", ")));
     }
+    if !verification.unfinished.is_empty() {
+        let stages = verification.unfinished.join(", ");
+        lines.push(format!("last run did not finish: {stages}"));
+    }
     lines.push(format!(
         "{} inputs and outputs read, {} not as recorded",
         verification.compared,

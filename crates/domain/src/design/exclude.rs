@@ -15,7 +15,7 @@ pub struct Exclude {
     /// Drives that last less than so many seconds; none are left out for that where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drive_shorter_than_s: Option<f64>,
-    /// People who gave one answer to every item of a questionnaire that has reversed items.
+    /// People who gave one answer, and not the middle one, to every item of a questionnaire with items reversed and not.
     pub straight_lined: bool,
     /// People who gave another answer than was asked for to this many items that are there for attention, or more.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -35,6 +35,34 @@ pub(super) fn within(conditions: &[Condition]) -> Vec<(String, Vec<String>)> {
         .collect()
 }
 
+/// Factors that conditions can cross in a test.
+const CROSSED: usize = 2;
+
+/// The two factors that these conditions cross, each with its level in each of them, if they do so completely.
+pub fn crossed(conditions: &[&Condition]) -> Option<Vec<(String, Vec<String>)>> {
+    let names: Vec<&String> = conditions.first()?.levels.keys().collect();
+    if names.len() != CROSSED {
+        return None;
+    }
+    let mut factors = Vec::new();
+    let mut cells = 1;
+    for name in names {
+        let levels = conditions.iter().map(|c| c.levels.get(name).cloned());
+        let levels: Vec<String> = levels.collect::<Option<_>>()?;
+        let mut different = levels.clone();
+        different.sort_unstable();
+        different.dedup();
+        if different.len() < 2 {
+            return None;
+        }
+        cells *= different.len();
+        factors.push((name.clone(), levels));
+    }
+    let cell = |index: usize| [&factors[0].1[index], &factors[1].1[index]];
+    let twice = (1..conditions.len()).any(|b| (0..b).any(|a| cell(a) == cell(b)));
+    (cells == conditions.len() && !twice).then_some(factors)
+}
+
 /// Splits factors into those between people and the labels of those within them.
 pub(super) fn factors(
     raw: Vec<FactorToml>,

@@ -4,7 +4,9 @@ use super::{
     condition::Condition,
     contrast::{Claim, Compare, Hypothesis},
     error::{Checked, DesignError, refuse},
+    factors::crossed,
     outcome::{DeclaredTest, Outcome, Quantity, ScoreName},
+    people::{Covariate, Factor},
     toml_file::{CompareToml, HypothesisToml, OutcomeToml},
 };
 use crate::condition::ConditionId;
@@ -116,6 +118,32 @@ fn primary(
     };
     compared(&key("contrast"), contrast, conditions, pairs)?;
     Ok(Some(contrast))
+}
+
+/// A declared test of the conditions alone, with what the design has beside them: over everybody it can never be run. None where it can.
+pub(super) fn never_run(
+    test: DeclaredTest,
+    factors: &[Factor],
+    covariates: &[Covariate],
+    conditions: &[Condition],
+) -> Option<String> {
+    let test = match test {
+        DeclaredTest::Ordinal => "ordinal",
+        DeclaredTest::RmAnova => "rm-anova",
+        DeclaredTest::Friedman => "friedman",
+        DeclaredTest::Auto | DeclaredTest::Mixed => return None,
+    };
+    let conditions: Vec<&Condition> = conditions.iter().collect();
+    match (factors.first(), covariates.first()) {
+        (Some(factor), _) => Some(format!("`{test}` beside the [[factor]] `{}`", factor.name)),
+        (None, Some(covariate)) => Some(format!(
+            "`{test}` beside the [[covariate]] `{}`",
+            covariate.column
+        )),
+        (None, None) => {
+            crossed(&conditions).map(|_| format!("`{test}` of conditions that cross two factors"))
+        }
+    }
 }
 
 /// Refuses a pair that the design does not compare.

@@ -55,7 +55,7 @@ impl ReferenceTracker {
             .vehicles
             .iter()
             .filter(near)
-            .filter(|v| road.lane_at(v.y_m) == Some(lane) && v.x_m > ego.x_m)
+            .filter(|v| road.is_in_lane_of(ego, v.y_m) && v.x_m > ego.x_m)
             .min_by(by_distance);
         let behind_right = || {
             let right = lane.checked_sub(1)?;
@@ -159,6 +159,24 @@ mod tests {
         ));
         assert_eq!(lead(&seen), Some(2));
         assert!((seen.dx_m - 45.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_car_beside_a_road_of_one_lane_has_the_car_ahead_of_it_as_reference() {
+        let width = Road::PAPER.lane_width_m;
+        let road = Road {
+            lanes: 1,
+            ..Road::PAPER
+        };
+        for y in [-width, 0.0, width] {
+            let others = [(1, 50.0, y, 25.0), (2, 30.0, y + 2.0 * width, 25.0)];
+            let seen = ReferenceTracker::new(road).observe(&scene((0.0, y), &others));
+            assert_eq!(lead(&seen), Some(1), "{y}");
+        }
+        // Of several lanes it is known where they are.
+        let two = ReferenceTracker::new(Road::PAPER)
+            .observe(&scene((0.0, -width), &[(1, 50.0, -width, 25.0)]));
+        assert_eq!(lead(&two), None);
     }
 
     #[test]

@@ -106,6 +106,19 @@ pub enum Scoring {
 }
 
 impl Norms {
+    /// The source of a number that no publication has.
+    pub const CHOSEN: &str = "chosen";
+
+    /// Whether mean and standard deviation are a publication's.
+    pub fn is_published(&self) -> bool {
+        self.source != Self::CHOSEN
+    }
+
+    /// Whether alpha is a publication's.
+    pub fn is_alpha_published(&self) -> bool {
+        self.alpha_source.as_ref().unwrap_or(&self.source) != Self::CHOSEN
+    }
+
     /// Whether a score between `low` and `high` can have them; otherwise the key and what is wrong with it.
     pub(super) fn check(&self, (low, high): (f64, f64)) -> Result<(), String> {
         let widest = (high - low) / 2.0;

@@ -205,3 +205,52 @@ fn a_primary_outcome_declares_its_test_and_one_contrast_and_is_refused_without()
         assert_eq!(outcome(more).unwrap().outcomes()[0].test, test);
     }
 }
+
+#[test]
+fn a_primary_outcome_by_a_test_that_the_design_can_never_run_is_read_and_not_to_be_declared() {
+    let outcome = |test: &str, [first, second]: [&str; 2]| {
+        format!(
+            "[[outcome]]\nmeasure = \"mean_velocity_mps\"\nprimary = true\ntest = \"{test}\"\ncontrast = [\"{first}\", \"{second}\"]\n"
+        )
+    };
+    let pair = ["sporty", "calm"];
+    let (factor, covariate) = (
+        "[[factor]]\ncolumn = \"city\"\n",
+        "[[covariate]]\ncolumn = \"age\"\n",
+    );
+    for test in ["ordinal", "rm-anova", "friedman"] {
+        for (more, said) in [
+            (factor, "beside the [[factor]] `city`"),
+            (covariate, "beside the [[covariate]] `age`"),
+        ] {
+            let design = with(&(outcome(test, pair) + more)).unwrap();
+            let refused = design.runnable().unwrap_err().to_string();
+            let found = format!("`{test}` {said}");
+            assert!(
+                refused.contains("outcome[1].test") && refused.contains(&found),
+                "{refused}"
+            );
+            assert!(refused.contains("\"mixed\""), "{refused}");
+        }
+        let crossed = format!("{CROSSED}{}", outcome(test, ["a", "b"]));
+        let design = Design::from_toml(&crossed).unwrap();
+        let refused = design.runnable().unwrap_err().to_string();
+        assert!(refused.contains("cross two factors"), "{refused}");
+        // Of the conditions alone, and beside the label of what they are, each can be run.
+        let label = "[[factor]]\nwithin = \"condition\"\nlabel = \"Style\"\n";
+        for more in ["", label] {
+            let design = with(&(outcome(test, pair) + more)).unwrap();
+            assert_eq!(design.runnable(), Ok(()), "{test}{more}");
+        }
+        // So can it in each group of people, of an outcome that decides nothing.
+        let plain =
+            format!("[[outcome]]\nmeasure = \"mean_velocity_mps\"\ntest = \"{test}\"\n{factor}");
+        assert_eq!(with(&plain).unwrap().runnable(), Ok(()));
+    }
+    for more in [factor, covariate] {
+        let design = with(&(outcome("mixed", pair) + more)).unwrap();
+        assert_eq!(design.runnable(), Ok(()), "{more}");
+    }
+    let crossed = format!("{CROSSED}{}", outcome("mixed", ["a", "b"]));
+    assert_eq!(Design::from_toml(&crossed).unwrap().runnable(), Ok(()));
+}

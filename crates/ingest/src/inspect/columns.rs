@@ -3,6 +3,7 @@
 use crate::{
     error::IngestError,
     parquet::is_parquet,
+    quality::Warning,
     raw::table::{
         open::{Kind, Table},
         parse::BYTE_ORDER_MARK,
@@ -30,6 +31,8 @@ pub(super) struct Sheet {
     pub(super) separator: Option<u8>,
     pub(super) decimal_comma: bool,
     pub(super) columns: Vec<TableColumn>,
+    /// What is to be told of its rows.
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// Reads all columns, finding out which are numbers; `written` is what a mapping says of header and blanks, where there is one.
@@ -93,6 +96,7 @@ pub(super) fn read(path: &Path, mut bytes: Vec<u8>, written: Style) -> Result<Sh
         separator,
         decimal_comma,
         columns,
+        warnings: table.warnings().to_vec(),
     })
 }
 

@@ -43,8 +43,8 @@ pub(super) struct Guess {
     pub(super) offset: Option<String>,
     /// Names are those of NGSIM, whose frame is documented.
     pub(super) ngsim: bool,
-    /// Greatest number of a lane.
-    pub(super) lanes: Option<u8>,
+    /// Least and greatest number of a lane.
+    pub(super) lanes: Option<(i64, i64)>,
     /// Columns that mean nothing here.
     pub(super) unused: Vec<String>,
 }
@@ -125,7 +125,9 @@ pub(super) fn guess(table: &Sheet) -> Guess {
         both_ways,
         ngsim,
         offset,
-        lanes: lane.and_then(TableColumn::range).map(|r| r.1 as u8),
+        lanes: lane
+            .and_then(TableColumn::range)
+            .map(|(least, most)| (least.round() as i64, most.round() as i64)),
         columns,
     }
 }
@@ -209,6 +211,11 @@ impl Chosen<'_> {
             self.pair(&mut keys);
             Shape::Pair
         } else {
+            if self.speed.is_some() && self.id.is_none() {
+                // What is known of a pair stays for whoever fills in the rest.
+                keys.put("ego_x", self.position);
+                keys.put("ego_speed", self.speed);
+            }
             Shape::Unknown(match (self.speed, self.id) {
                 (None, _) => "no column looks like a speed",
                 (_, Some(_)) => {

@@ -8,7 +8,7 @@ use super::{
 use crate::{
     error::IngestError,
     folder::{entries_of, file_name},
-    mapping::Mapping,
+    mapping::{Mapping, TableMapping},
     raw::table::text::Style,
     read_log::{Format, format_of, read_log},
     settings::IngestSettings,
@@ -48,9 +48,29 @@ pub fn suggest_mapping(path: &Path) -> Result<String, IngestError> {
         return Err(IngestError::bad_table(path, what));
     }
     let table = columns::read(path, look(path)?, Style::default())?;
+    if let Some(body) = ours(&table) {
+        let head = "# The table has the columns of drives as this program writes them (study_data/mappings/ours.toml).\n";
+        let doubt = "# doubt: lanes, their width and the posted speed are not in the table.\n";
+        return Ok(format!("{head}{}{doubt}{body}", read_by(path, &body)));
+    }
     let guess = guess(&table);
     let body = body(&table, &guess);
     Ok(format!("{}{body}", head(path, &guess, &body)))
+}
+
+/// The mapping of this program's own drives, whoever's they are, where a table has every column that it asks for.
+fn ours(table: &Sheet) -> Option<String> {
+    let text = maveric_data::MAPPINGS_OURS;
+    let mapping: toml::Table = toml::from_str(text).ok()?;
+    let columns = mapping.get("table")?.get("columns")?.as_table()?;
+    let names = columns.values().filter_map(toml::Value::as_str);
+    let has = |name: &str| table.columns.iter().any(|c| c.name == name);
+    if !names.filter(|name| !name.ends_with('?')).all(has) {
+        return None;
+    }
+    let (road, rest) = text.split_once("\n[names]\n")?;
+    let (_, read) = rest.split_once("\n[table]\n")?;
+    Some(format!("{road}{WHOSE}\n[table]\n{read}"))
 }
 
 /// The beginning of a file, up to its last whole line; all of Parquet.
@@ -82,6 +102,12 @@ fn head(path: &Path, guess: &Guess, body: &str) -> String {
         let _ = writeln!(head, "# It is not complete: {missing}. Fill it in by hand.");
         return head;
     }
+    head + &read_by(path, body)
+}
+
+/// What a mapping makes of the table, as comments.
+fn read_by(path: &Path, body: &str) -> String {
+    let mut head = String::new();
     let read = Mapping::from_toml(body, Path::new("the proposal")).and_then(|mapping| {
         let settings = IngestSettings {
             mapping: Some(mapping),
@@ -138,7 +164,8 @@ fn body(table: &Sheet, guess: &Guess) -> String {
     }
     let has = |key: &str| guess.columns.iter().any(|(k, _)| *k == key);
     let numbered = guess.shape == Shape::Long || has("lane");
-    let lanes = guess.lanes.filter(|_| numbered).unwrap_or(1).max(1);
+    let numbers = guess.lanes.filter(|_| numbered);
+    let (first, lanes) = numbers.map_or((TableMapping::FIRST_LANE, 1), lanes_of);
     out.push_str(WHOSE);
     let _ = writeln!(
         out,
@@ -172,6 +199,9 @@ fn body(table: &Sheet, guess: &Guess) -> String {
             out,
             "# {doubt}: lanes are numbered from the {from}.\nlanes_from = \"{from}\""
         );
+        if first != TableMapping::FIRST_LANE {
+            let _ = writeln!(out, "first_lane = {first}");
+        }
     }
     if let Some(why) = &guess.offset {
         let _ = writeln!(
@@ -212,6 +242,13 @@ fn body(table: &Sheet, guess: &Guess) -> String {
         let _ = writeln!(out, "# not used: {}", names.join(", "));
     }
     out
+}
+
+/// Number of the first lane, and how many lanes there are, by the least and the greatest number: the first ones need not be driven in.
+fn lanes_of((least, most): (i64, i64)) -> (i64, u8) {
+    let first = least.min(TableMapping::FIRST_LANE);
+    let lanes = most.saturating_sub(first).saturating_add(1);
+    (first, u8::try_from(lanes).unwrap_or(u8::MAX))
 }
 
 /// What says whose drive a file is, for somebody to fill in.

@@ -44,6 +44,7 @@ pub(super) fn inspect_table(
         with_mapping(path, settings, &mut log_summary);
     } else {
         log_summary.would_ingest = without_mapping(&table, &guess);
+        log_summary.warnings.extend(table.warnings);
         let noted = |why: String| Warning::new(path, WarningKind::Noted, 1, why);
         log_summary.warnings.extend(guess.offset.map(noted));
     }

@@ -1,6 +1,7 @@
 //! Reads tables: CSV, TSV and Parquet in the layouts that a mapping may declare.
 
 mod cells;
+mod ending_early;
 mod ids;
 mod lane;
 pub(crate) mod lateral;
@@ -90,6 +91,8 @@ pub(crate) struct TableLog<'a> {
     pub(crate) road: &'a RoadMapping,
     /// Longest hole that is bridged, in s.
     pub(crate) max_gap_s: f64,
+    /// What is to be told of its files, whichever drives are made of them.
+    pub(crate) warnings: Vec<Warning>,
 }
 
 impl<'a> TableLog<'a> {
@@ -106,19 +109,23 @@ impl<'a> TableLog<'a> {
 
     /// Opens its files as one table.
     fn open(&mut self, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
-        Table::open_all(std::mem::take(&mut self.files), self.mapping.into(), wanted)
+        let files = std::mem::take(&mut self.files);
+        let table = Table::open_all(files, self.mapping.into(), wanted)?;
+        self.warnings.extend_from_slice(table.warnings());
+        Ok(table)
     }
 }
 
 /// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`. Files that it reads besides go to `sources`.
 pub(crate) fn read(
-    log: TableLog<'_>,
+    log: &mut TableLog<'_>,
     sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
-    let (path, layout) = (log.path, &log.mapping.layout);
+    let (path, mapping) = (log.path, log.mapping);
+    let layout = &mapping.layout;
     let joined = match log.files.len() {
         0 | 1 => Vec::new(),
-        _ => parts::joined(path, log.files.clone(), log.mapping, log.clock())?,
+        _ => parts::joined(path, log.files.clone(), mapping, log.clock())?,
     };
     let mut drives = match layout {
         Layout::Pair(pair) => vec![pair::read(log, pair)?],

@@ -1,7 +1,9 @@
 //! The number of the lane and the place in it, in every layout; and a place in the lane that is taken for one across the road.
 
 use super::mapped::{UNITS, drive_of, mapped, of_toml};
-use maveric_ingest::{IngestSettings, Ingested, WarningKind, inspect_with, suggest_mapping};
+use maveric_ingest::{
+    IngestSettings, Ingested, Warning, WarningKind, inspect_with, suggest_mapping,
+};
 use std::fmt::Write as _;
 
 const WIDTH_M: f64 = 3.5;
@@ -293,6 +295,107 @@ fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write
 }
 
 #[test]
+fn a_lane_that_the_road_does_not_have_is_beside_it_wherever_in_it_ego_is() {
+    let mapping = |lanes: u32| {
+        let keys = "lanes_from = \"right\"\nfirst_lane = 0\noffset_grows = \"left\"\n";
+        pair(LANE, keys).replace("lanes = 3\n", &format!("lanes = {lanes}\n"))
+    };
+    // In lane 2 for some time, counted from 0, and then in lane 1.
+    let read = |lanes: u32, until_s: f64, offset: f64| {
+        let text = table("t,v,gap,w,lane,offset", |t| {
+            format!("25,40,25,{},{offset}", if t < until_s { 2 } else { 1 })
+        });
+        mapped(&mapping(lanes), &text).map(|found| {
+            let mut warnings = found[0].warnings.iter();
+            let told = warnings.find(|w| w.what.contains("beside the road of 2 lanes"));
+            told.map_or(0, |w| w.count)
+        })
+    };
+    for offset in [-0.4, 0.0, 0.4] {
+        assert_eq!(read(2, 6.0, offset).unwrap(), 120, "{offset}");
+        let error = read(2, 30.0, offset).unwrap_err().to_string();
+        assert!(
+            error.contains("in 600 of 1200 samples ego is beside the road"),
+            "{error}"
+        );
+        assert_eq!(read(3, 30.0, offset).unwrap(), 0, "{offset}");
+    }
+}
+
+#[test]
+fn an_only_lane_keeps_its_leader_whatever_its_number_and_what_leaves_it_is_told() {
+    let read = |number: i32, from_30_s: i32| {
+        let text = table("t,v,gap,w,lane", |t| {
+            format!("25,40,25,{}", if t < 30.0 { number } else { from_30_s })
+        });
+        let mapping = pair("lane = \"lane\"\n", "lanes_from = \"right\"\n");
+        let mapping = mapping.replace("lanes = 3\n", "lanes = 1\n");
+        let found = mapped(&mapping, &text).unwrap().remove(0);
+        let drive = drive_of(&found);
+        let alone = drive.rows().lead_present.iter().filter(|there| !**there);
+        // A row on the step itself may have nobody.
+        assert!(alone.count() < 3, "{number}");
+        let mut warnings = found.warnings.iter();
+        let told = warnings.find(|w| w.what.contains("the road's only lane"));
+        told.map_or(0, |w| w.count)
+    };
+    assert_eq!(read(1, 1), 0);
+    assert_eq!(read(1, 2), 600);
+    for number in [0, 2, 4] {
+        assert_eq!(read(number, number), 1200, "{number}");
+    }
+}
+
+#[test]
+fn a_proposal_counts_lanes_from_the_least_number_where_it_is_below_1() {
+    let folder = tempfile::tempdir().unwrap();
+    let proposed = |first: i32| {
+        let path = folder.path().join("P01.csv");
+        let text = table("t,ego_speed,gap,lead_speed,lane", |t| {
+            let lane = first + i32::from(t > 30.0);
+            format!("{},40,25,{lane}", 25.0 + (0.3 * t).sin())
+        });
+        std::fs::write(&path, text).unwrap();
+        suggest_mapping(&path).unwrap()
+    };
+    for first in [0, -2] {
+        let toml = proposed(first);
+        assert!(
+            toml.contains("\nlanes = 2\n") && toml.contains(&format!("\nfirst_lane = {first}\n")),
+            "{toml}"
+        );
+        assert!(!toml.contains("only lane"), "{toml}");
+    }
+    let toml = proposed(2);
+    assert!(
+        toml.contains("\nlanes = 3\n") && !toml.contains("\nfirst_lane"),
+        "{toml}"
+    );
+}
+
+#[test]
+fn a_place_beyond_its_lane_is_told_and_one_in_another_unit_refused() {
+    let read = |rows: usize, offset: f64| {
+        let text = table("t,v,gap,w,lane,offset", |t| {
+            let is_far = t < rows as f64 / 20.0;
+            format!("25,40,25,2,{}", if is_far { offset } else { 0.1 })
+        });
+        mapped(&pair(LANE, NUMBERED), &text).map(|found| {
+            let mut warnings = found[0].warnings.iter();
+            let told = warnings.find(|w| w.what.contains("ends at the lane's edge"));
+            told.map_or(0, |w| w.count)
+        })
+    };
+    assert_eq!(read(200, 1.7).unwrap(), 0);
+    assert_eq!(read(200, 9.0).unwrap(), 200);
+    let error = read(400, 40.0).unwrap_err().to_string();
+    assert!(
+        error.contains("in 400 of 1200 samples a place in the lane"),
+        "{error}"
+    );
+}
+
+#[test]
 fn inspect_and_the_proposal_say_that_a_column_is_a_place_in_the_lane() {
     let folder = tempfile::tempdir().unwrap();
     let proposed = |text: &str| {
@@ -338,6 +441,9 @@ fn inspect_and_the_proposal_say_that_a_column_is_a_place_in_the_lane() {
         "{toml}"
     );
     assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+    let (_, summary) = proposed(&text.replace("\n2,", "\n2\n2,"));
+    let early = |w: &Warning| w.what.contains("after 1 of 5 cells");
+    assert!(summary.warnings.iter().any(early), "{:?}", summary.warnings);
 }
 
 #[test]

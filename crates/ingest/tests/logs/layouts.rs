@@ -227,6 +227,38 @@ fn a_leader_by_its_number_alone_and_one_that_vanishes() {
 }
 
 #[test]
+fn a_speed_that_rows_of_a_long_table_lack_is_told_and_one_below_zero_is_of_whoever_reverses() {
+    let toml = "[table]\nlayout = \"long\"\npoint = \"centre\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\n\
+        speed = \"m/s\"\n[table.columns]\ntime = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\nlead_id = \"front\"\n";
+    let read = |way: f64, speed_ahead: fn(u32) -> &'static str| {
+        let mut text = "t,id,x,v,front\n".to_owned();
+        for i in 0..60 {
+            let t = f64::from(i) / 10.0;
+            writeln!(text, "{t},1,{},{way},2", way * t).unwrap();
+            writeln!(text, "{t},2,{},{},", 10.0 * t + 30.0, speed_ahead(i)).unwrap();
+        }
+        mapped(toml, &text).unwrap()
+    };
+    let count = |found: &[Ingested], what: &str| -> usize {
+        let warnings = found.iter().flat_map(|d| &d.warnings);
+        warnings
+            .filter(|w| w.what.contains(what))
+            .map(|w| w.count)
+            .sum()
+    };
+    let lacking = |i: u32| if (20..30).contains(&i) { "" } else { "10" };
+    let told = "rows of vehicle 2 hold no speed";
+    assert_eq!(count(&read(10.0, lacking), told), 10);
+    let whole = read(10.0, |_| "10");
+    assert_eq!(count(&whole, told), 0);
+    assert_eq!(count(&whole, "drives backwards"), 0);
+    let back = read(-10.0, |_| "10");
+    let speeds = &back[0].recording.ego().speed_mps;
+    assert!(speeds.iter().all(|v| near(*v, -10.0)), "{speeds:?}");
+    assert_eq!(count(&back, "drives backwards"), 60);
+}
+
+#[test]
 fn a_folder_of_signals_is_one_drive_and_the_vehicle_in_the_lane_leads() {
     let folder = tempfile::tempdir().unwrap();
     let mut speed = "t,speed_mps\n".to_owned();

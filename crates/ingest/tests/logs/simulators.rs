@@ -252,6 +252,29 @@ fn a_proposal_abstains_where_no_position_moves_as_the_speed_says() {
 }
 
 #[test]
+fn a_proposal_that_finds_no_gap_keeps_the_speed_and_the_position_that_it_knows() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.csv");
+    let proposed = |last: &str| {
+        let row = |i: i32| format!("{},20,1.5,{}\n", f64::from(i) / 10.0, 2 * i);
+        let rows: String = (0..200).map(row).collect();
+        std::fs::write(&path, format!("t,v,thw,{last}\n{rows}")).unwrap();
+        suggest_mapping(&path).unwrap()
+    };
+    let found = proposed("x");
+    for line in [
+        "not complete: no column looks like a gap",
+        "\nego_x = \"x\"\n",
+        "\nego_speed = \"v\"\n",
+        "\n# not used: thw\n",
+    ] {
+        assert!(found.contains(line), "{line}: {found}");
+    }
+    let without = proposed("z");
+    assert!(!without.contains("ego_x") && without.contains("# not used: thw, z"));
+}
+
+#[test]
 fn times_of_day_and_dates_are_proposed_as_they_are_written_and_doubtful_ones_are_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.csv");

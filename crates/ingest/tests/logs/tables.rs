@@ -228,6 +228,98 @@ fn a_table_that_says_nothing_of_sides_has_no_measures_of_passing() {
 }
 
 #[test]
+fn a_row_that_lost_its_end_is_told_and_one_that_the_end_of_the_file_cuts_is_no_row() {
+    let columns =
+        "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    let mapping = format!("{PAIR}gap_kind = \"bumper_to_bumper\"\n{UNITS}{columns}");
+    let read = |text: &str| mapped(&mapping, text).unwrap().remove(0);
+    let whole = minute("t,v,gap,w", |_, t| format!("{t},19.4,30,20"));
+    let found = read(&whole);
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    let said = |found: &Ingested, what: &str| found.warnings.iter().any(|w| w.what.contains(what));
+    // As a speed of 19.4 would be cut.
+    let cut = read(&(whole.clone() + "60,1"));
+    assert_eq!(cut.recording, found.recording);
+    assert!(
+        said(&cut, "the last row, 601, ends after 2 of 4 cells"),
+        "{:?}",
+        cut.warnings
+    );
+    let lost = read(&whole.replace("\n25,19.4,30,20\n", "\n25,19.4,30\n"));
+    assert!(
+        said(&lost, "the first of them row 251 after 3 of 4 cells"),
+        "{:?}",
+        lost.warnings
+    );
+}
+
+#[test]
+fn a_leader_that_would_stand_at_the_bumper_of_a_car_that_drives_is_nobody() {
+    let columns =
+        "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    let mapping = format!("{PAIR}gap_kind = \"bumper_to_bumper\"\n{UNITS}{columns}");
+    let read = |ego: f64, leader: &str| {
+        let text = minute("t,v,gap,w", |i, t| {
+            let leader = if (200..400).contains(&i) {
+                leader
+            } else {
+                "30,20"
+            };
+            format!("{t},{ego},{leader}")
+        });
+        let found = mapped(&mapping, &text).unwrap().remove(0);
+        let told = found.warnings.iter().find(|w| w.what.contains("nobody"));
+        let drive = drive_of(&found);
+        let alone = drive.rows().lead_present.iter().filter(|there| !**there);
+        (told.map_or(0, |w| w.count), alone.count() > 300)
+    };
+    assert_eq!(read(20.0, "0,0"), (200, true));
+    // In a queue, and behind a leader that drives or is a little way off.
+    assert_eq!(read(0.0, "0,0"), (0, false));
+    assert_eq!(read(20.0, "0,20"), (0, false));
+    assert_eq!(read(20.0, "0.5,0"), (0, false));
+    // From rest: 0 stands for nobody there too, where it does so while ego drives.
+    let starts = |until: usize| {
+        let text = minute("t,v,gap,w", |i, t| {
+            let leader = if i < until { "0,0" } else { "30,20" };
+            format!("{t},{},{leader}", (0.125 * i as f64).min(20.0))
+        });
+        let found = mapped(&mapping, &text).unwrap().remove(0);
+        let told = found.warnings.iter().find(|w| w.what.contains("nobody"));
+        let drive = drive_of(&found);
+        let rows = drive.rows();
+        let met = rows.lead_present.iter().zip(&rows.lead_dx_m);
+        let at_bumper = met.filter(|(there, dx)| **there && dx.abs() < 0.5).count();
+        (told.map_or(0, |w| w.count), at_bumper > 0)
+    };
+    assert_eq!(starts(200), (200, false));
+    // Behind a leader that stands at its bumper until ego starts.
+    assert_eq!(starts(10), (0, true));
+}
+
+#[test]
+fn the_next_step_is_named_where_numbers_have_commas_and_times_another_unit_or_step() {
+    let columns =
+        "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
+    let mapping =
+        format!("{PAIR}separator = \";\"\ngap_kind = \"bumper_to_bumper\"\n{UNITS}{columns}");
+    let help = |row: &dyn Fn(f64) -> String| {
+        let text = minute("t;v;gap;w", |_, t| row(t));
+        mapped(&mapping, &text).unwrap_err().suggestion().unwrap()
+    };
+    let comma = help(&|t| format!("{t};20,5;30;20"));
+    assert!(comma.contains("`decimal_comma = true`"), "{comma}");
+    for cell in ["fast", "20,5,1", "2.0,5"] {
+        let word = help(&|t| format!("{t};{cell};30;20"));
+        assert!(!word.contains("decimal_comma"), "{cell}: {word}");
+    }
+    let in_ms = help(&|t| format!("{};20;30;20", 1000.0 * t));
+    assert!(in_ms.contains("another unit"), "{in_ms}");
+    let every_second = help(&|t| format!("{};20;30;20", 10.0 * t));
+    assert!(every_second.contains("`max_gap_s`"), "{every_second}");
+}
+
+#[test]
 fn a_simulators_clock_axes_and_gap_are_read_as_they_come() {
     let units = UNITS
         .replace("time = \"s\"", "time = \"pattern\"")
@@ -281,4 +373,82 @@ fn sumo_tells_headings_by_the_compass() {
         .find(|d| d.meta.drive.as_str() == "town-1")
         .unwrap();
     assert!((first_gap_m(&follower.recording) - 25.0).abs() < 0.01);
+}
+
+#[test]
+fn a_neighbouring_lane_of_sumo_is_not_egos_own() {
+    // `b` follows `a` in the right lane, `c` drives in the left one, a lane of 3.2 m further.
+    let table = |step_s: f64| {
+        let header =
+            "timestep_time;vehicle_id;vehicle_x;vehicle_y;vehicle_angle;vehicle_speed".to_owned();
+        (0..60).fold(header, |text, i| {
+            let t = f64::from(i) * step_s;
+            let (a, b, c) = (100.0 + 12.0 * t, 60.0 + 12.0 * t, 70.0 + 12.5 * t);
+            text + &format!(
+                "\n{t:.2};a;{a:.2};-4.80;90.00;12.00\n{t:.2};b;{b:.2};-4.80;90.00;12.00\n{t:.2};c;{c:.2};-1.60;90.00;12.50"
+            )
+        }) + "\n"
+    };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    let text = std::fs::read_to_string(folder.join("sumo_fcd.toml")).unwrap();
+    let read = |road: &str, step_s: f64, id: &str| {
+        let mapping = of_toml(&text.replace("lanes = 1\n", road)).unwrap();
+        let found = read_named("town.csv", &table(step_s), mapping).unwrap();
+        let name = format!("town-{id}");
+        let mut found = found.into_iter();
+        found.find(|d| d.meta.drive.as_str() == name).unwrap()
+    };
+    let said = |found: &Ingested, what: &str| found.warnings.iter().any(|w| w.what.contains(what));
+    // SUMO's usual step is a second.
+    for step_s in [0.1, 1.0] {
+        let follower = read("lanes = 1\n", step_s, "b");
+        assert!(!follower.recording.sees().beside);
+        assert!(said(&follower, "beside ego's lane are left out"));
+        let drive = drive_of(&follower);
+        let gaps = &drive.rows().lead_dx_m;
+        assert!(gaps.iter().all(|dx| (dx - 35.0).abs() < 0.02), "{gaps:?}");
+    }
+    let unplaced = read("lanes = 2\n", 0.1, "c");
+    assert!(said(&unplaced, "in which of the road's 2 lanes"));
+    let road = "lanes = 2\nframe = \"map\"\nright_lane_centre_y_m = -4.8\n";
+    let placed = read(road, 0.1, "c");
+    assert!(!said(&placed, "in which of the road's 2 lanes"));
+    assert!(placed.recording.sees().beside);
+    assert!(drive_of(&placed).rows().lane.iter().all(|&lane| lane == 1));
+}
+
+#[test]
+fn a_car_of_sumo_that_changes_lanes_has_the_leader_of_its_lane_and_is_told() {
+    // `c` follows `a`, is behind `d` in the left lane from 20 to 40 s, and goes back.
+    let row = |_: usize, t: f64| {
+        let (a, d, c) = (100.0 + 12.0 * t, 110.0 + 12.0 * t, 60.0 + 12.0 * t);
+        let y = if (20.0..40.0).contains(&t) {
+            -1.6
+        } else {
+            -4.8
+        };
+        format!(
+            "{t:.2};a;{a:.2};-4.80;90.00;12.00\n{t:.2};d;{d:.2};-1.60;90.00;12.00\n{t:.2};c;{c:.2};{y:.2};90.00;12.00"
+        )
+    };
+    let header = "timestep_time;vehicle_id;vehicle_x;vehicle_y;vehicle_angle;vehicle_speed";
+    let table = minute(header, row);
+    let found = read_named("town.csv", &table, shipped("sumo_fcd.toml")).unwrap();
+    let told = |name: &str| {
+        let drive = found.iter().find(|d| d.meta.drive.as_str() == name);
+        let mut warnings = drive.unwrap().warnings.iter();
+        let told = warnings.find(|w| w.what.contains("the road's only lane"));
+        told.map_or(0, |w| w.count)
+    };
+    assert_eq!((told("town-a"), told("town-d")), (0, 0));
+    assert_eq!(told("town-c"), 200);
+    let changes = found.iter().find(|d| d.meta.drive.as_str() == "town-c");
+    let drive = drive_of(changes.unwrap());
+    let rows = drive.rows();
+    for (time_s, gap_m) in [(10.0, 35.0), (30.0, 45.0), (50.0, 35.0)] {
+        let row = rows.time_s.iter().position(|t| *t >= time_s).unwrap();
+        assert!(rows.lead_present[row], "{time_s} s");
+        let dx_m = rows.lead_dx_m[row];
+        assert!((dx_m - gap_m).abs() < 0.02, "{dx_m} m at {time_s} s");
+    }
 }

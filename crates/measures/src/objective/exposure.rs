@@ -57,6 +57,13 @@ pub enum Comparable {
     },
 }
 
+impl Comparable {
+    /// Whether the drive has no count and no extreme that could be compared.
+    pub fn is_too_little(self) -> bool {
+        matches!(self, Self::TooLittle { .. })
+    }
+}
+
 /// The comparable part of each of a person's drives, in their order.
 ///
 /// Drives of one length (to 1 %) are compared whole. Else all are cut to the time of the shortest, and then to the number of lead

@@ -15,7 +15,7 @@ pub(super) const LEADS: Measure = Measure {
     description: "Vehicles that were the reference vehicle ahead in ego's own lane at some time.",
     of_passing: false,
     grows: true,
-    why_missing: "",
+    why_missing: "nothing of the drive can be compared",
     value: |drive| Some(Exposure::from_drive(drive).leads_s.len() as f64),
 };
 
@@ -45,7 +45,7 @@ pub(super) const FOLLOWING: Measure = Measure {
     description: "Time in which ego follows the reference vehicle (method, section 2).",
     of_passing: false,
     grows: true,
-    why_missing: "",
+    why_missing: "nothing of the drive can be compared",
     value: |drive| {
         let following = drive.rows().following.iter().filter(|f| **f);
         Some(following.count() as f64 / drive.rate_hz())

@@ -12,6 +12,8 @@ mod warning;
 pub use attention::attention_missed;
 pub use item_matrix::ItemMatrix;
 pub use probe::score_probes;
-pub use response_style::{FASTEST_SECONDS_AN_ITEM, SheetTime, response_styles, too_fast};
+pub use response_style::{
+    FASTEST_SECONDS_AN_ITEM, FEWEST_ITEMS, SheetTime, response_styles, too_fast,
+};
 pub use score::{Scored, score};
 pub use warning::ScoreWarning;

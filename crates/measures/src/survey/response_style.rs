@@ -15,7 +15,7 @@ pub const FASTEST_SECONDS_AN_ITEM: f64 = 2.0;
 const SHORTEST_RUN: u32 = 8;
 
 /// Fewer answers than this may well be the same, reversed or not.
-const FEWEST_ITEMS: usize = 6;
+pub const FEWEST_ITEMS: usize = 6;
 
 /// How long somebody took for the items of a scale.
 #[derive(Debug, Clone, PartialEq)]

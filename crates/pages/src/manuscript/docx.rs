@@ -7,7 +7,7 @@ use docx_rs::{
 };
 use maveric_report::{
     ReportError,
-    markup::{self, Level},
+    markup::{self, Level, escape},
     tables::{Align, Table},
 };
 use std::io::Cursor;
@@ -20,8 +20,9 @@ const BELOW: u32 = 120;
 /// The width of the text, in fiftieths of a percent.
 const WHOLE_WIDTH: usize = 5000;
 
-/// Texts, then every table as wide as the text, then the references.
+/// Texts, then every table as wide as the text, then the references; its properties have title and authors.
 pub(super) fn document(
+    (title, authors): (&str, &[String]),
     texts: &[Block],
     tables: &[&Table],
     references: &[Block],
@@ -52,13 +53,28 @@ pub(super) fn document(
         document = document.add_paragraph(paragraph_of(block));
     }
     let mut bytes = Cursor::new(Vec::new());
+    let mut document = document.build();
+    document.doc_props.core = properties(title, authors).into_bytes();
     document
-        .build()
         .pack(&mut bytes)
         .map_err(|e| ReportError::Template {
             reason: format!("manuscript.docx: {e}"),
         })?;
     Ok(bytes.into_inner())
+}
+
+/// What a program that is given the document reads of it. It is of no day: the same study has the same bytes.
+fn properties(title: &str, authors: &[String]) -> String {
+    let creator = authors.join("; ");
+    let element = |name: &str, text: &str| format!("<dc:{name}>{}</dc:{name}>", escape(text));
+    let author = (!creator.is_empty()).then(|| element("creator", &creator));
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\" standalone=\"yes\"?>\n\
+         <cp:coreProperties xmlns:cp=\"http://schemas.openxmlformats.org/package/2006/metadata/core-properties\" \
+         xmlns:dc=\"http://purl.org/dc/elements/1.1/\">{}{}</cp:coreProperties>",
+        element("title", title),
+        author.unwrap_or_default()
+    )
 }
 
 fn paragraph_of(block: &Block) -> Paragraph {
@@ -124,12 +140,26 @@ mod tests {
             Block::Heading(1, "Method".to_owned()),
             Block::Paragraph("*p* < .001".to_owned()),
         ];
-        document(&texts, &[&table], &[]).unwrap()
+        let authors = ["A. Author".to_owned(), "B. Author".to_owned()];
+        document(("Calm & sporty", &authors), &texts, &[&table], &[]).unwrap()
     }
 
     #[test]
     fn the_same_manuscript_has_the_same_bytes() {
         assert_eq!(packed(), packed());
+    }
+
+    #[test]
+    fn the_properties_have_title_and_authors_and_no_day() {
+        let authors = ["A. Author".to_owned(), "B. Author".to_owned()];
+        let core = properties("Calm & sporty", &authors);
+        assert!(
+            core.contains("<dc:title>Calm &amp; sporty</dc:title>")
+                && core.contains("<dc:creator>A. Author; B. Author</dc:creator>"),
+            "{core}"
+        );
+        assert!(!core.contains("1970"), "{core}");
+        assert!(!properties("Calm", &[]).contains("creator"));
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! How near the car at 0 on the dial comes to the person.
 
 use super::StudyPage;
-use crate::{texts::value, words::short};
+use crate::{
+    texts::value,
+    words::{in_unit_of, short},
+};
 use maveric_analysis::Reproduction;
 use maveric_domain::ConditionId;
 use maveric_report::{ReportError, tables::Table};
@@ -17,7 +20,11 @@ impl StudyPage<'_> {
             let texts = of_own(first.condition);
             let row = |r: &Reproduction| {
                 let same = r.bias.as_ref().map(|b| b.verdict.words());
-                context! { paper => self.printed_accuracy(r), same, ..value(r) }
+                context! {
+                    paper => self.printed_accuracy(r),
+                    same,
+                    ..context! { ..in_unit_of(a, &r.measure), ..value(r) }
+                }
             };
             tables.push(texts.table("accuracy", a.reproduction.iter().map(row))?);
             let with_bias = a.reproduction.iter().filter(|r| r.bias.is_some());

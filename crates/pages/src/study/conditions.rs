@@ -5,8 +5,11 @@ use super::{
     tested::{contrast, tested},
     titled,
 };
-use crate::words::{capital, omnibus, with_unit};
-use maveric_analysis::{BesideLent, Contrast, Kept, Panel};
+use crate::{
+    texts::value,
+    words::{capital, in_unit_of, omnibus, with_unit},
+};
+use maveric_analysis::{BesideLent, Contrast, Described, Kept, LentContrast, Panel};
 use maveric_domain::{ConditionId, design::Compare};
 use maveric_report::{
     ReportError,
@@ -115,13 +118,9 @@ impl StudyPage<'_> {
             figures.push(time_space(drive, self.context)?);
         }
         let mut tables: Vec<Table> = self.primary()?.into_iter().collect();
-        tables.extend([
-            self.texts
-                .table("descriptives", &self.analysis.descriptives)?,
-            self.omnibus()?,
-        ]);
+        tables.extend([self.descriptives()?, self.omnibus()?]);
         tables.extend(self.factor_tables()?);
-        tables.push(self.contrasts()?);
+        tables.extend(self.contrasts()?);
         tables.extend(self.carry_over()?);
         tables.extend(self.sensitivity()?);
         tables.extend(self.texts.table_if_any("items", items)?);
@@ -135,11 +134,18 @@ impl StudyPage<'_> {
             .section("conditions", figures, tables)
     }
 
+    fn descriptives(&self) -> Result<Table, ReportError> {
+        let rows = self.analysis.descriptives.iter();
+        let row = |d: &Described| context! { ..in_unit_of(self.analysis, &d.outcome), ..value(d) };
+        self.texts.table("descriptives", rows.map(row))
+    }
+
     /// Which test answered each effect of each panel, and why.
     fn omnibus(&self) -> Result<Table, ReportError> {
         let panels = self.analysis.panels.iter();
         let rows = panels.flat_map(|panel| tested(self.design, panel));
-        self.texts.table("omnibus", rows)
+        let values = context! { compares => self.compares() };
+        self.texts.with(&values).table("omnibus", rows)
     }
 
     /// The own style beside somebody else's of the same score.
@@ -152,19 +158,23 @@ impl StudyPage<'_> {
             beyond_reach => lent.beyond_reach,
             distance_sd => lent.distance_sd,
         };
-        self.texts.with(&values).table("beside-lent", &lent.rows)
+        let row =
+            |r: &LentContrast| context! { ..in_unit_of(self.analysis, &r.outcome), ..value(r) };
+        let rows = lent.rows.iter().map(row);
+        self.texts.with(&values).table("beside-lent", rows)
     }
 
-    /// Every declared contrast with its test.
-    fn contrasts(&self) -> Result<Table, ReportError> {
+    /// Every declared contrast with its test; none where nothing is compared.
+    fn contrasts(&self) -> Result<Option<Table>, ReportError> {
         let panels = self.analysis.panels.iter();
         let rows = panels.flat_map(|panel| {
             panel
                 .contrasts
                 .iter()
-                .map(move |pair| contrast(panel, pair))
+                .map(move |pair| contrast(self.analysis, panel, pair))
         });
-        self.texts.table("contrasts", rows)
+        let rows: Vec<Value> = rows.collect();
+        self.texts.table_if_any("contrasts", rows)
     }
 
     /// Which habits a move across the dial changes; `None` where no car moves across it.
@@ -259,6 +269,7 @@ mod tests {
             se: None,
             interval: None,
             odds: None,
+            unbounded: false,
             effect: Some(Effect {
                 name: EffectName::Dz,
                 value: Some(size),

@@ -3,7 +3,10 @@
 use super::{StudyPage, titled};
 use crate::{
     texts::value,
-    words::{closed_by, declared_test, interval, label_of_id, other_choice},
+    words::{
+        closed_as, closed_by, declared_test, in_unit_of, interval, label_of_id, other_choice,
+        outcome_decimals,
+    },
 };
 use maveric_analysis::{Balance, Panel, PrimaryOutcome, SensitivityRow};
 use maveric_domain::design::World;
@@ -23,7 +26,9 @@ impl StudyPage<'_> {
             context! {
                 declared => declared_test(o.test),
                 closed_by => closed_by(o, outcomes),
-                ..value(o)
+                closed_as => closed_as(o, outcomes),
+                divided => !self.design.factors().is_empty(),
+                ..context! { ..in_unit_of(self.analysis, &o.outcome), ..value(o) }
             }
         };
         outcomes.iter().map(row).collect()
@@ -52,7 +57,7 @@ impl StudyPage<'_> {
                     second => self.label(row.second),
                     n => by_choice.n[0],
                     other_n => by_choice.n[1],
-                    ..value(row)
+                    ..context! { ..in_unit_of(self.analysis, &by_choice.outcome), ..value(row) }
                 }
             };
             rows.extend(by_choice.rows.iter().map(row));
@@ -74,11 +79,12 @@ impl StudyPage<'_> {
             };
             let test = fitted.map(|f| &f.test);
             let sentence = test.and_then(|t| Some(t.statement()?.markup().to_owned()));
+            let decimals = outcome_decimals(&self.analysis.descriptives, &panel.outcome);
             let left = fitted.map(|f| {
                 let effects = f.effects.iter().map(|(id, effect)| {
                     let label = label_of_id(self.design, id);
-                    let ends = interval(effect.ci.ends(), 2, false);
-                    format!("{label} {}{ends}", apa::number(effect.estimate, 2))
+                    let ends = interval(effect.ci.ends(), decimals, false);
+                    format!("{label} {}{ends}", apa::number(effect.estimate, decimals))
                 });
                 effects.collect::<Vec<_>>()
             });

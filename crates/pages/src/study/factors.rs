@@ -5,18 +5,21 @@ use super::{
     conditions::{amount, ends},
     titled,
 };
-use crate::words::{effect_title, with_unit};
+use crate::words::{effect_title, in_unit_of, listed, with_unit};
 use maveric_analysis::{ByFactor, FactorContrast, LevelMean, Panel, TestedFactor};
 use maveric_report::{
     Figure, ReportError,
     figures::interaction::{Interaction, InteractionLine, InteractionPanel, interaction},
     tables::Table,
 };
-use maveric_stats::{LevelChoice, SimpleTest};
+use maveric_stats::{
+    ByDesign, ChosenTest, LevelChoice, SimpleTest,
+    apa::{Statement, Statements},
+};
 use minijinja::{Value, context};
 
 impl StudyPage<'_> {
-    /// The panels that several factors were tested of.
+    /// The panels that factors were tested of, several or one that divides people.
     fn factorial_panels(&self) -> impl Iterator<Item = (&Panel, &ByFactor)> {
         let panels = self.analysis.panels.iter();
         panels.filter_map(|panel| Some((panel, panel.by_factor.as_ref()?)))
@@ -24,17 +27,18 @@ impl StudyPage<'_> {
 
     /// The interaction of each outcome drawn; none where no design crosses factors.
     pub(super) fn interaction(&self) -> Result<Option<Figure>, ReportError> {
-        let panels: Vec<InteractionPanel> = self
-            .factorial_panels()
+        let crossed = || self.factorial_panels().filter(|(_, b)| b.factors.len() > 1);
+        let panels: Vec<InteractionPanel> = crossed()
             .flat_map(|(panel, by_factor)| self.interaction_panels(panel, by_factor))
             .collect();
         if panels.is_empty() {
             return Ok(None);
         }
-        let means = || self.factorial_panels().flat_map(|(_, b)| &b.means);
+        let means = || crossed().flat_map(|(_, b)| &b.means);
         let values = context! {
             within => means().any(|mean| mean.within.is_some()),
-            between => self.factorial_panels().any(|(_, b)| b.factors.iter().any(|f| !f.within)),
+            between => crossed().any(|(_, b)| b.factors.iter().any(|f| !f.within)),
+            lacking => self.without_factors(),
             covariates => self.design.covariates().len(),
         };
         let input = Interaction {
@@ -42,6 +46,43 @@ impl StudyPage<'_> {
             intervals: self.texts.with(&values).text("interaction")?,
         };
         interaction(&input, self.context).map(Some)
+    }
+
+    /// Outcomes that factors are tested of by another test, which gives neither means nor contrasts of their levels: listed.
+    fn without_factors(&self) -> String {
+        let panels = self.analysis.panels.iter().filter(|p| p.group.is_none());
+        let without = panels.filter(|p| p.comparison.is_some() && p.by_factor.is_none());
+        let titles: Vec<String> = without.map(titled).collect();
+        listed(&titles)
+    }
+
+    /// Pairs of groups of people, where these alone were compared and there are more than two of them.
+    pub(super) fn group_pairs(&self, panel: &Panel) -> Option<Vec<Value>> {
+        let comparison = panel.comparison.as_ref()?;
+        let ByDesign::Groups(groups) = comparison else {
+            return None;
+        };
+        let several = groups.found.several.as_ref()?;
+        let dunn = groups.chosen == ChosenTest::KruskalWallis;
+        let factor = &self.design.factors().first()?.name;
+        let row = |(name, said): (String, Statement)| {
+            let (first, second) = name.split_once('|')?;
+            let (z, howell) = (several.dunn.get(&name), several.games_howell.get(&name));
+            let label = |level: &str| self.design.level_label(factor, level);
+            Some(context! {
+                outcome => panel.outcome.as_str(),
+                title => titled(panel),
+                first,
+                second,
+                pair => format!("{} − {}", label(first), label(second)),
+                sentence => said.markup(),
+                test => if dunn { "z" } else { "t" },
+                statistic => if dunn { z.and_then(|z| z.z) } else { howell.and_then(|t| t.t) },
+                p => if dunn { z.and_then(|z| z.p_holm) } else { howell.and_then(|t| t.p) },
+            })
+        };
+        let statements = comparison.statements().into_iter();
+        Some(statements.filter_map(row).collect())
     }
 
     /// A panel of two factors; with further factors one for each combination of their levels.
@@ -72,7 +113,9 @@ impl StudyPage<'_> {
                 let cell = shown_cells
                     .iter()
                     .find(|c| c.levels[x] == first && c.levels[line] == second)?;
-                let (low, high) = cell.within.or(cell.interval)?;
+                // A mean without an interval is drawn without one.
+                let ends = cell.within.or(cell.interval);
+                let (low, high) = ends.unwrap_or((cell.mean, cell.mean));
                 Some([cell.mean, low, high])
             };
             let along = &by_factor.factors[x].levels;
@@ -121,12 +164,16 @@ impl StudyPage<'_> {
             let rows = by_factor.simple.iter();
             rows.map(move |effect| self.simple_effect(panel, effect))
         });
+        let pairs = self.factorial_panels();
+        let pairs = pairs.filter_map(|(panel, _)| self.group_pairs(panel));
+        let values = context! { lacking => self.without_factors() };
         for (key, rows) in [
             ("level-means", means.collect::<Vec<_>>()),
+            ("group-pairs", pairs.flatten().collect()),
             ("factor-contrasts", contrasts.collect()),
             ("simple-effects", simple.collect()),
         ] {
-            tables.extend(self.texts.table_if_any(key, rows)?);
+            tables.extend(self.texts.with(&values).table_if_any(key, rows)?);
         }
         Ok(tables)
     }
@@ -140,6 +187,9 @@ impl StudyPage<'_> {
         let level: Vec<String> = levels
             .map(|(name, level)| self.design.level_label(name, level))
             .collect();
+        // As the figure draws it: an interval may reach beyond the scale, and says nothing there.
+        let scale = ends(panel);
+        let cut = |end: f64| scale.map_or(end, |(low, high)| end.clamp(low, high));
         context! {
             outcome => panel.outcome.as_str(),
             title => titled(panel),
@@ -150,8 +200,9 @@ impl StudyPage<'_> {
             level => level.join(", "),
             n => mean.n,
             mean => mean.mean,
-            low => mean.interval.map(|i| i.0),
-            high => mean.interval.map(|i| i.1),
+            low => mean.interval.map(|i| cut(i.0)),
+            high => mean.interval.map(|i| cut(i.1)),
+            ..in_unit_of(self.analysis, &panel.outcome)
         }
     }
 
@@ -171,6 +222,7 @@ impl StudyPage<'_> {
                 design.factor_label(&effect.at),
                 design.level_label(&effect.at, &effect.level)
             ),
+            n => effect.n,
             sentence => sentence.map(|s| s.markup().to_owned()),
             why_not => effect.why_not.as_deref(),
             method => test.map(|t| t.method.title()),
@@ -212,6 +264,7 @@ impl StudyPage<'_> {
             df1 => test.df,
             p => test.p,
             p_holm => contrast.p_holm,
+            ..in_unit_of(self.analysis, &panel.outcome)
         }
     }
 }

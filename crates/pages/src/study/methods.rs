@@ -2,10 +2,10 @@
 
 use super::StudyPage;
 use crate::{orders::orders, preregistration::condition, texts::value};
-use maveric_analysis::ContrastTest;
+use maveric_analysis::{ContrastTest, Panel};
 use maveric_domain::design::Compare;
 use maveric_report::ReportError;
-use maveric_stats::{ByDesign, CarryOver, PERIOD};
+use maveric_stats::{ByDesign, CarryOver, ChosenTest, MixedFinding, PERIOD};
 use minijinja::{Value, context};
 
 /// A paragraph with what it is about; of a note that is nothing.
@@ -65,11 +65,34 @@ impl StudyPage<'_> {
             let mut panels = a.panels.iter().filter(|p| p.test == Some(test));
             panels.any(|p| p.contrasts.iter().any(|c| c.p.is_some()))
         };
+        let is_mixed = |is: fn(&MixedFinding) -> bool| {
+            let mut mixed = compared();
+            mixed.any(|f| matches!(f, ByDesign::Mixed(chosen) if is(&chosen.found)))
+        };
+        let (t, wilcoxon) = (tested(ContrastTest::T), tested(ContrastTest::Wilcoxon));
+        let factorial = compared().any(|f| matches!(f, ByDesign::Factorial(_)));
+        let groups = compared().any(|f| matches!(f, ByDesign::Groups(_)));
+        // Pairs of more than two groups, by the test that was chosen of them.
+        let pairs_of_groups = |chosen: ChosenTest| {
+            compared().any(|f| matches!(f, ByDesign::Groups(groups) if groups.chosen == chosen))
+        };
+        let one_factor = compared().any(|f| f.one_factor().is_some_and(|c| c.k > 2));
+        let correlations = !a.homophily.is_empty() || a.line.is_some();
+        let bounded = a.hypotheses.iter().any(|h| h.bounds.is_some());
         let with_period = |f: &ByDesign| f.effects().iter().any(|(name, _)| *name == PERIOD);
+        let of_everybody =
+            |p: &Panel| p.group.is_none() && matches!(p.comparison, Some(ByDesign::Ordinal(_)));
         let (compare, against) = match design.compare() {
             Compare::All => ("all", None),
             Compare::Against(one) => ("against", Some(one.to_string())),
             Compare::Pairs(_) => ("pairs", None),
+        };
+        let (compare, against) = match design.baseline_id() {
+            _ if !self.compares() => ("none", None),
+            Some(baseline) if design.conditions().len() == 1 => {
+                ("against", Some(baseline.to_string()))
+            }
+            _ => (compare, against),
         };
         context! {
             score => design.style().map(|style| style.label.as_str()),
@@ -79,14 +102,28 @@ impl StudyPage<'_> {
             of_levels => design.level_contrasts().len(),
             primary => self.primary_rows(),
             used => context! {
-                factorial => compared().any(|f| matches!(f, ByDesign::Factorial(_))),
-                simple => a.panels.iter().any(|p| p.by_factor.is_some()),
-                groups => compared().any(|f| matches!(f, ByDesign::Groups(_))),
+                factorial,
+                simple => a.panels.iter().any(|p| p.by_factor.as_ref().is_some_and(|b| !b.simple.is_empty())),
+                groups,
+                games_howell => pairs_of_groups(ChosenTest::WelchAnova),
+                dunn => pairs_of_groups(ChosenTest::KruskalWallis),
                 mixed => compared().any(|f| matches!(f, ByDesign::Mixed(_))),
+                by_level => compared().any(|f| matches!(f, ByDesign::Mixed(m) if !m.found.model.variance_by.is_empty())),
                 ordinal => compared().any(|f| matches!(f, ByDesign::Ordinal(_))),
-                one_factor => compared().any(|f| f.one_factor().is_some_and(|c| c.k > 2)),
-                t => tested(ContrastTest::T),
-                wilcoxon => tested(ContrastTest::Wilcoxon),
+                unbounded => a.panels.iter().flat_map(|p| &p.contrasts).any(|c| c.unbounded),
+                ordinal_of_groups => !a.panels.iter().any(of_everybody),
+                ranks_beside => compared().any(|f| matches!(f, ByDesign::Ordinal(o) if o.found.beside.is_some())),
+                one_factor,
+                t,
+                wilcoxon,
+                normality => factorial || groups || one_factor || t || wilcoxon || correlations,
+                epsilon => one_factor || is_mixed(|found| !found.corrected.is_empty()),
+                own_error => is_mixed(|found| !found.own_error.is_empty()),
+                equivalence => bounded || a.reproduction.iter().any(|r| r.bias.is_some()),
+                accuracy => a.reproduction.iter().any(|r| r.mean.is_some()),
+                nearer => a.nearer.iter().any(|n| n.p_holm.is_some()),
+                angle => a.kept.iter().any(|k| k.circular_r.is_some()),
+                shift => a.mixed.iter().any(|m| m.model.is_some()),
                 period => compared().any(with_period),
                 carry_over => a.panels.iter().any(|p| matches!(p.carry_over, Some(CarryOver::Fitted(_)))),
                 worlds_by_ride => self.worlds_by_ride(),
@@ -94,7 +131,7 @@ impl StudyPage<'_> {
             compare,
             against,
             pairs => value(&design.contrasts()),
-            correlations => !a.homophily.is_empty() || a.line.is_some(),
+            correlations,
         }
     }
 
@@ -165,14 +202,21 @@ mod tests {
 
     /// The paragraph on tests, where nothing but contrasts was tested but for what is given.
     fn of_tests(used: &Value, primary: &[Value]) -> String {
+        of_tests_beside(used, primary, &[])
+    }
+
+    /// The same beside covariates.
+    fn of_tests_beside(used: &Value, primary: &[Value], covariates: &[&str]) -> String {
         let none = context! {
-            factorial => false, simple => false, groups => false, mixed => false, ordinal => false, one_factor => false, t => false,
-            wilcoxon => false, period => false, carry_over => false, worlds_by_ride => false,
+            factorial => false, simple => false, groups => false, games_howell => false, dunn => false, mixed => false, by_level => false, ordinal => false, ordinal_of_groups => false,
+            ranks_beside => false, unbounded => false, one_factor => false, t => false,
+            wilcoxon => false, period => false, carry_over => false, worlds_by_ride => false, normality => false, epsilon => false,
+            own_error => false, equivalence => false, accuracy => false, nearer => false, angle => false, shift => false,
         };
         let used = context! { ..used.clone(), ..none };
         said(
             "tests",
-            &context! { used, primary, covariates => Vec::<String>::new(), of_levels => 0, compare => "all", correlations => false,
+            &context! { used, primary, covariates => crate::texts::value(&covariates), factors => crate::texts::value(&["Road"]), of_levels => 0, compare => "all", correlations => false,
             label => Value::from_function(|id: &str| id.to_owned()) },
         )
     }
@@ -189,12 +233,57 @@ mod tests {
         };
         let all = did(0);
         assert!(all.starts_with("Each of the 24 participants"), "{all}");
-        assert!(!all.contains("not in every"), "{all}");
+        assert!(!all.contains("nothing counts"), "{all}");
         let some = did(1);
         assert!(some.starts_with("The 24 participants"), "{some}");
         assert!(
-            some.ends_with(", 1 of them not in every condition."),
+            some.ends_with("; of 1 of them nothing counts in some condition."),
             "{some}"
+        );
+    }
+
+    #[test]
+    fn where_a_mixed_model_tests_its_terms_is_told_beside_covariates_alone() {
+        let mixed = context! { mixed => true };
+        let means = "tested at the mean of each covariate";
+        assert!(of_tests_beside(&mixed, &[], &["Age"]).contains(means));
+        assert!(!of_tests(&mixed, &[]).contains(means));
+        let factorial = context! { factorial => true };
+        assert!(!of_tests_beside(&factorial, &[], &["Age"]).contains(means));
+    }
+
+    #[test]
+    fn pairs_of_groups_are_told_with_the_tests_that_they_had() {
+        let said = |games_howell: bool, dunn: bool| {
+            let used = context! { groups => true, games_howell, dunn };
+            of_tests(&used, &[])
+        };
+        let two = said(false, false);
+        assert!(
+            two.contains("they are not normal. ") && !two.contains("pairs"),
+            "{two}"
+        );
+        let howell = said(true, false);
+        assert!(
+            howell.contains("normal; pairs of groups after Games and Howell. "),
+            "{howell}"
+        );
+        let both = said(true, true);
+        assert!(
+            both.contains("after Games and Howell, or by Dunn’s test, *p* adjusted after Holm"),
+            "{both}"
+        );
+        assert!(said(false, true).contains("; pairs of groups by Dunn’s test"));
+    }
+
+    #[test]
+    fn odds_without_bound_are_told_where_there_are_any_and_nowhere_else() {
+        let ordinal = of_tests(&context! { ordinal => true }, &[]);
+        assert!(!ordinal.contains("without bound"), "{ordinal}");
+        let floor = of_tests(&context! { ordinal => true, unbounded => true }, &[]);
+        assert!(
+            floor.contains("without bound, by the likelihood ratio"),
+            "{floor}"
         );
     }
 
@@ -230,6 +319,35 @@ mod tests {
     }
 
     #[test]
+    fn a_model_of_ordered_answers_says_of_whom_it_is_and_names_ranks_that_stand_beside_it() {
+        let said = |ordinal_of_groups: bool, ranks_beside: bool| {
+            let used = context! { ordinal => true, ordinal_of_groups, ranks_beside };
+            of_tests(&used, &[])
+        };
+        let alone = said(false, false);
+        assert!(
+            alone.starts_with("Ratings of one item, whose answers have an order alone, by a cumulative logit model with a random intercept of the person. "),
+            "{alone}"
+        );
+        let groups = said(true, true);
+        assert!(
+            groups.contains("an order alone, within groups of people, by a cumulative logit")
+                && groups.contains("; the rank tests stand beside it. "),
+            "{groups}"
+        );
+    }
+
+    #[test]
+    fn the_variances_of_a_mixed_model_are_those_that_it_has() {
+        let each = "of the person at each level of each factor";
+        let said = |by_level: bool| {
+            let used = context! { mixed => true, period => true, by_level };
+            of_tests(&used, &[])
+        };
+        assert!(said(true).contains(each) && !said(false).contains(each));
+    }
+
+    #[test]
     fn only_tests_that_were_run_are_named() {
         assert!(tests(true, false).starts_with("Contrasts by paired t tests. Compared are every"));
         assert!(
@@ -241,6 +359,48 @@ mod tests {
             "{both}"
         );
         assert!(tests(false, false).starts_with("Compared are"));
+    }
+
+    #[test]
+    fn what_results_rest_on_is_named_where_it_was_done_and_nowhere_else() {
+        let plain = of_tests(&context! {}, &[]);
+        for (used, said) in [
+            (
+                context! { equivalence => true },
+                "two one-sided *t* tests (Schuirmann)",
+            ),
+            (context! { accuracy => true }, "1 − |car − person| / person"),
+            (
+                context! { nearer => true },
+                "signed ranks of the two distances",
+            ),
+            (context! { angle => true }, "cosine and sine"),
+            (context! { shift => true }, "random intercept and slope"),
+            (context! { normality => true }, "Shapiro and Wilk’s test"),
+            (
+                context! { own_error => true },
+                "Bell and McCaffrey’s degrees of freedom",
+            ),
+        ] {
+            assert!(!plain.contains(said), "{plain}");
+            let told = of_tests(&used, &[]);
+            assert!(told.contains(said), "{said} in {told}");
+        }
+        let period = of_tests(&context! { period => true }, &[]);
+        assert!(!period.contains("McCaffrey"), "{period}");
+    }
+
+    #[test]
+    fn people_are_told_with_what_is_known_of_them() {
+        let group = |mean_age: Option<f64>, female: Option<f64>| {
+            let values = context! { group => "Tested", n => 24, mean_age, sd_age => mean_age.map(|_| 8.04), female };
+            said("group", &values)
+        };
+        assert_eq!(
+            group(Some(34.5), Some(0.5)),
+            "Tested: *n* = 24, age *M* = 34.5, *SD* = 8.0 years, 50.0% female."
+        );
+        assert_eq!(group(None, None), "Tested: *n* = 24.");
     }
 
     #[test]
@@ -273,23 +433,25 @@ mod tests {
     }
 
     #[test]
-    fn who_lacks_a_value_and_whose_order_is_not_known_are_told_apart() {
-        let out = |lacking: usize, unordered: usize| {
-            said(
-                "incomplete",
-                &context! { title => "Speed", lacking, unordered, n => 7 },
-            )
+    fn who_lacks_a_value_an_order_or_a_column_are_told_apart() {
+        let out = |counts: &[(&str, usize)]| {
+            let part =
+                |(key, people): &(&str, usize)| said(key, &context! { people, column => "Age" });
+            let parts: Vec<String> = counts.iter().map(part).collect();
+            let dropped: usize = counts.iter().map(|(_, people)| people).sum();
+            let values = context! { title => "Speed", parts, dropped, n => 7 };
+            said("incomplete", &values)
         };
         assert_eq!(
-            out(1, 0),
+            out(&[("lacking", 1)]),
             "Speed: 1 person without a value in every condition is not in the tests; *n* = 7 in them."
         );
         assert_eq!(
-            out(0, 4),
+            out(&[("unordered", 4)]),
             "Speed: 4 people whose order of the conditions is not known are not in the tests; *n* = 7 in them."
         );
-        assert!(out(1, 4).contains(
-            "1 person without a value in every condition and 4 people whose order of the conditions is not known are not"
+        assert!(out(&[("lacking", 1), ("unordered", 4), ("without_column", 2)]).contains(
+            "1 person without a value in every condition, 4 people whose order of the conditions is not known and 2 people without a value of Age are not"
         ));
     }
 

@@ -1,7 +1,8 @@
 //! The setting and the people.
 
 use super::{StudyPage, titled};
-use maveric_analysis::{FEWEST_AGREED, LeftOutFor};
+use maveric_analysis::{ConsentVersion, FEWEST_AGREED, LeftOutFor, Rule};
+use maveric_domain::Design;
 use maveric_report::{
     ReportError,
     figures::{
@@ -120,18 +121,114 @@ impl StudyPage<'_> {
         let flow = &self.analysis.flow;
         let rows =
             |left: &[LeftOutFor]| left.iter().map(|l| (l.why.clone(), l.who.len())).collect();
+        let [absent, left_out] = who_left(flow);
         let panels = self.analysis.panels.iter();
         let held_back = flow.not_admitted.iter();
         Flow {
             not_admitted: held_back
                 .map(|n| (format!("not fulfilled: {}", n.rule), n.people))
                 .collect(),
+            not_agreed: not_agreed(self.design, &flow.consents),
             recruited: flow.recruited,
+            absent,
             drove: flow.drove,
-            left_out: rows(&flow.left_out),
+            left_out,
             analysed: flow.analysed,
             drives_left_out: rows(&flow.drives),
             outcomes: panels.map(|p| (titled(p), p.n)).collect(),
         }
+    }
+}
+
+/// Who did not take part, and who was left out of the others: reason and count. Whoever did not take part had left before the others, whatever
+/// they are left out by.
+fn who_left(flow: &maveric_analysis::Flow) -> [Vec<(String, usize)>; 2] {
+    let mut absent: Vec<&String> = flow.absent.iter().collect();
+    if absent.is_empty() {
+        // An earlier analysis names only those of no other rule; the others of them will be of those whom the design names.
+        let mut rows: Vec<&LeftOutFor> = flow.left_out.iter().collect();
+        rows.sort_by_key(|row| (row.rule != Rule::Absent, row.rule));
+        let who = rows.into_iter().flat_map(|row| &row.who);
+        absent = who
+            .take(flow.recruited.saturating_sub(flow.drove))
+            .collect();
+    }
+    [true, false].map(|is_absent| {
+        let counted = flow.left_out.iter().map(|row| {
+            let who = row.who.iter();
+            let counted = who.filter(|who| absent.contains(who) == is_absent);
+            (row.why.clone(), counted.count())
+        });
+        counted.filter(|(_, n)| *n > 0).collect()
+    })
+}
+
+/// How many of those who were to be tested did not agree; not counted where people are learned from, too, whose refusals are among them.
+fn not_agreed(design: &Design, consents: &[ConsentVersion]) -> usize {
+    if design.people().learn.is_some() {
+        return 0;
+    }
+    consents.iter().map(|v| v.not_agreed).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_did_not_take_part_is_told_apart_in_an_analysis_that_does_not_name_them_too() {
+        let row = |rule: Rule, why: &str, who: &[&str]| LeftOutFor {
+            rule,
+            why: why.to_owned(),
+            who: who.iter().map(|who| (*who).to_owned()).collect(),
+        };
+        let mut flow = maveric_analysis::Flow {
+            recruited: 6,
+            drove: 4,
+            left_out: vec![
+                row(Rule::People, "sick", &["P1", "P2"]),
+                row(Rule::StraightLined, "one answer", &["P3"]),
+                row(Rule::Absent, "no drive", &["P6"]),
+            ],
+            analysed: 2,
+            ..maveric_analysis::Flow::default()
+        };
+        let counts = |rows: &[(&str, usize)]| -> Vec<(String, usize)> {
+            rows.iter()
+                .map(|(why, n)| ((*why).to_owned(), *n))
+                .collect()
+        };
+        let earlier = who_left(&flow);
+        let expected = [
+            counts(&[("sick", 1), ("no drive", 1)]),
+            counts(&[("sick", 1), ("one answer", 1)]),
+        ];
+        assert_eq!(earlier, expected);
+        flow.absent = vec!["P3".to_owned(), "P6".to_owned()];
+        let expected = [
+            counts(&[("one answer", 1), ("no drive", 1)]),
+            counts(&[("sick", 2)]),
+        ];
+        assert_eq!(who_left(&flow), expected);
+        (flow.absent, flow.drove) = (Vec::new(), 6);
+        assert!(who_left(&flow)[0].is_empty());
+    }
+
+    #[test]
+    fn refusals_are_of_those_to_be_tested_where_nobody_else_was_asked() {
+        let consents = [ConsentVersion {
+            text_sha256: "0".to_owned(),
+            first_day: None,
+            last_day: None,
+            agreed: 9,
+            not_agreed: 2,
+            style_lent: None,
+        }];
+        let of = |people: &str| {
+            let text = format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n{people}");
+            not_agreed(&Design::from_toml(&text).unwrap(), &consents)
+        };
+        assert_eq!(of(""), 2);
+        assert_eq!(of("[people]\nlearn = { part = \"learn\" }\n"), 0);
     }
 }

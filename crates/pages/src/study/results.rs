@@ -5,8 +5,8 @@ use super::{
     tested::{contrast, tested},
     titled,
 };
-use crate::{manuscript::Block, page_texts::PageTexts, texts::value};
-use maveric_analysis::{Described, Panel, Presses, Reproduction};
+use crate::{manuscript::Block, page_texts::PageTexts, texts::value, words::in_unit_of};
+use maveric_analysis::{Analysis, Described, Panel, Presses, Reproduction};
 use maveric_report::{ReportError, apa, markup};
 use maveric_stats::Adjustment;
 use minijinja::{Value, context};
@@ -44,7 +44,8 @@ impl StudyPage<'_> {
             self.results.text("primary_heading")?,
             self.each("primary", self.primary_rows().into_iter())?,
         ));
-        let judged = a.hypotheses.iter().map(value);
+        let judged = a.hypotheses.iter();
+        let judged = judged.map(|h| context! { ..in_unit_of(a, &h.outcome), ..value(h) });
         blocks.extend(headed(
             self.results.text("hypotheses")?,
             self.each("hypothesis", judged)?,
@@ -55,20 +56,22 @@ impl StudyPage<'_> {
                 self.outcome(panel)?,
             ));
         }
-        if let Some(first) = a.reproduction.first() {
+        let reproduced = || a.reproduction.iter().filter(|r| r.n > 0);
+        if let Some(first) = reproduced().next() {
             let texts = self.results.with(&context! {
                 own => first.condition.to_string(),
-                rows => value(&a.reproduction),
+                rows => value(&reproduced().collect::<Vec<_>>()),
             });
             let mut accuracy = vec![texts.text("accuracy")?];
-            let biased = a.reproduction.iter().filter(|r| r.bias.is_some());
-            accuracy.extend(self.each("equivalence", biased.map(biased_row))?);
+            let biased = reproduced().filter(|r| r.bias.is_some());
+            let biased = biased.map(|r| biased_row(a, r));
+            accuracy.extend(self.each("equivalence", biased)?);
             accuracy.extend(self.each("nearer", a.nearer.iter().map(value))?);
             blocks.extend(headed(texts.text("own")?, accuracy));
         }
         let lines = [&a.line, &a.line_without_adb].into_iter().flatten();
         let along = lines.flat_map(|line| {
-            let rows = line.rows.iter();
+            let rows = line.rows.iter().filter(|row| row.correlation.n > 0);
             rows.map(move |row| context! { adb_used => line.adb_used, ..value(row) })
         });
         let mut line = self.each("along", along)?;
@@ -83,6 +86,10 @@ impl StudyPage<'_> {
         ));
         blocks.extend(headed(self.results.text("line")?, line));
         blocks.extend(headed(self.results.text("people")?, self.preferences()?));
+        blocks.extend(headed(
+            self.results.text("retest_heading")?,
+            self.each("retest", self.retested())?,
+        ));
         if let Some(presses) = &a.presses {
             let pressed = pressed(&self.results, presses)?;
             blocks.extend(headed(self.results.text("presses")?, pressed));
@@ -110,22 +117,30 @@ impl StudyPage<'_> {
         let mut paragraphs = Vec::new();
         let descriptives = self.analysis.descriptives.iter();
         let described: Vec<&Described> = descriptives
-            .filter(|d| d.outcome == panel.outcome)
+            .filter(|d| d.outcome == panel.outcome && d.n > 0)
             .collect();
         // What was measured is described over everybody.
         if panel.group.is_none() && !described.is_empty() {
-            let values = context! { described => value(&described) };
+            let numbers = in_unit_of(self.analysis, &panel.outcome);
+            let values = context! { described => value(&described), ..numbers };
             paragraphs.push(self.results.with(&values).text("described")?);
         }
         paragraphs.extend(self.each("tested", tested(self.design, panel).iter().map(value))?);
+        let sentences = self.each("group_pair", self.group_pairs(panel).into_iter().flatten())?;
+        paragraphs.extend(together(sentences, "group_pairs")?);
         if let Some(by_factor) = &panel.by_factor {
             let rows = by_factor.contrasts.iter();
             let rows = rows.map(|contrast| self.factor_contrast(panel, contrast));
             let sentences = self.each("factor_contrast", rows)?;
             paragraphs.extend(together(sentences, "factor_contrasts")?);
         }
-        let pairs = panel.contrasts.iter().map(|pair| contrast(panel, pair));
-        let sentences = self.each("contrast", pairs)?;
+        // Of nobody with both values there is nothing to tell.
+        let pairs = panel.contrasts.iter();
+        let pairs = pairs.filter(|pair| pair.mean_difference.is_some() || pair.p.is_some());
+        let sentences = self.each(
+            "contrast",
+            pairs.map(|pair| contrast(self.analysis, panel, pair)),
+        )?;
         paragraphs.extend(together(sentences, "contrasts")?);
         Ok(paragraphs)
     }
@@ -157,12 +172,12 @@ impl StudyPage<'_> {
 }
 
 /// How far the car lies from the person, with its test against no difference.
-fn biased_row(row: &Reproduction) -> Value {
+fn biased_row(analysis: &Analysis, row: &Reproduction) -> Value {
     let test = row.bias.as_ref().and_then(|b| {
         let statement = apa::t(b.t?, b.df as f64, b.p_holm?, Adjustment::Holm, None);
         Some(statement.markup().to_owned())
     });
-    context! { test, ..value(row) }
+    context! { test, ..context! { ..in_unit_of(analysis, &row.measure), ..value(row) } }
 }
 
 #[cfg(test)]
@@ -174,13 +189,29 @@ mod tests {
     use maveric_stats::{CaseStratum, Exposed, case_crossover, event_rates};
 
     #[test]
+    fn pairs_of_groups_are_told_by_their_labels() {
+        let texts = PageTexts::new(RESULTS, &context! {}).unwrap();
+        let values = context! { pair => "in*town − rural", sentence => "*z* = 2.41" };
+        let pair = texts.with(&values).text("group_pair").unwrap();
+        assert_eq!(markup::plain(&pair), "in*town − rural, z = 2.41");
+        let all = texts.with(&context! { all => vec![pair.clone(), pair] });
+        let all = all.text("group_pairs").unwrap();
+        assert!(
+            all.starts_with("Pairs of groups: ") && all.contains("; "),
+            "{all}"
+        );
+    }
+
+    #[test]
     fn a_hypothesis_stands_with_the_p_that_made_it_so() {
         let label = Value::from_function(|id: &str| id.to_owned());
         let texts = PageTexts::new(RESULTS, &context! { label }).unwrap();
         let said_of = |odds: Option<Value>, verdict: &str, bounds: Option<Vec<f64>>, holm: bool| {
             let values = context! {
                 says => "So", verdict, bounds, holm, rule => "shown if it is", n => 24, first => "calm", second => "sporty",
+                decimals => 2, measured_in => "",
                 mean_difference => 2.0, interval => vec![1.5, 2.5], odds, p => 0.999, p_outside => 0.001,
+                unbounded => false, why_not => None::<&str>,
             };
             texts.with(&values).text("hypothesis").unwrap()
         };
@@ -204,6 +235,23 @@ mod tests {
             "{ordered}"
         );
         assert!(!ordered.contains("2.50"), "{ordered}");
+    }
+
+    #[test]
+    fn who_rated_another_style_better_is_told_as_that_whichever_way_the_rating_is_keyed() {
+        let label = Value::from_function(|id: &str| id.to_owned());
+        let texts = PageTexts::new(RESULTS, &context! { label }).unwrap();
+        let said = |title: &str, less_is_better: bool| {
+            let other = |condition: &str, above: usize, not_below: usize| context! { condition, above, not_below };
+            let others = vec![other("fast", 3, 4), other("slow", 7, 7)];
+            let values = context! { title, less_is_better, own => "mimic", n => 24, others };
+            texts.with(&values).text("preferred").unwrap()
+        };
+        assert_eq!(
+            said("Discomfort", true),
+            "Discomfort (less is better): fast rated better than mimic by 3 of 24 (and as good by 1); slow rated better than mimic by 7 of 24."
+        );
+        assert!(said("Trust", false).starts_with("Trust: fast rated better than mimic by 3 of 24"));
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use super::titled;
 use crate::{
     texts::value,
-    words::{effect_title, omnibus, paired},
+    words::{effect_title, in_unit_of, omnibus, over, paired},
 };
-use maveric_analysis::{Contrast, Panel};
+use maveric_analysis::{Analysis, Contrast, Panel};
 use maveric_domain::Design;
 use maveric_stats::{
     Adjustment, ByDesign, Chosen, ChosenTest, EffectMethod, FactorialFinding, GroupsAnalysis,
@@ -83,7 +83,14 @@ pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
             });
             terms.collect()
         }
-        Some(ByDesign::Groups(found)) => return alone(of_groups(found)),
+        Some(ByDesign::Groups(found)) => {
+            let factors = over(design, panel);
+            let mut rows = alone(of_groups(found));
+            for row in &mut rows {
+                row.title = format!("{}: {factors}", row.title);
+            }
+            return rows;
+        }
         Some(ByDesign::Ordinal(found)) => {
             let ratio = |test: Option<&SmallSample>| Numbers {
                 test: Some("F"),
@@ -235,7 +242,7 @@ fn of_groups(found: &Chosen<GroupsAnalysis>) -> Numbers {
 }
 
 /// A contrast with its test and its sentence.
-pub(super) fn contrast(panel: &Panel, pair: &Contrast) -> Value {
+pub(super) fn contrast(analysis: &Analysis, panel: &Panel, pair: &Contrast) -> Value {
     let group = panel.group.as_ref();
     context! {
         outcome => panel.outcome.as_str(),
@@ -247,7 +254,9 @@ pub(super) fn contrast(panel: &Panel, pair: &Contrast) -> Value {
         test => value(&panel.test),
         se => pair.se,
         interval => value(&pair.interval),
+        unbounded => pair.unbounded,
+        odds => value(&pair.odds),
         n => panel.n,
-        ..value(pair)
+        ..context! { ..in_unit_of(analysis, &panel.outcome), ..value(pair) }
     }
 }

@@ -7,6 +7,7 @@ use crate::own;
 use crate::paths::with_ancestors;
 use crate::{Failure, FailureCause, Graph, Manifest, PipelineError, Record, Stage, Warning};
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::fs;
 
 impl Workshop<'_> {
@@ -51,13 +52,19 @@ impl Workshop<'_> {
         Ok(true)
     }
 
-    /// Enters a good run into the ledger, or says which outputs it did not make.
+    /// Enters a good run into the ledger, or says which inputs changed meanwhile or which outputs it did not make.
     pub(crate) fn record(
         &self,
         stage: &Stage,
         run: Run<'_>,
         tell: &mut dyn FnMut(News),
     ) -> Result<Option<FailureCause>, PipelineError> {
+        // What has not been touched is not read again.
+        let now = self.look(stage)?.made_from;
+        let paths = run.made_from.inputs_apart(&now);
+        if !paths.is_empty() {
+            return self.inputs_changed(paths).map(Some);
+        }
         let mut outputs = BTreeMap::new();
         let mut paths = Vec::new();
         for output in &stage.outputs {
@@ -86,12 +93,23 @@ impl Workshop<'_> {
                 Err(PipelineError::Interrupted) | Ok(()) => {}
                 Err(error) => tell(News::Warning(Warning::NotCached {
                     stage: stage.name.clone(),
-                    message: error.to_string(),
+                    message: with_sources(&error),
                 })),
             }
         }
         self.ledger().finish(stage, record)?;
         Ok(None)
+    }
+
+    /// That these inputs are no longer what they were.
+    pub(crate) fn inputs_changed(&self, paths: Vec<String>) -> Result<FailureCause, PipelineError> {
+        let is_folder = |path: &&String| self.place.root.join(path).is_dir();
+        let folder = paths.iter().find(is_folder);
+        let newest = folder.map(|path| self.hasher.newest(path)).transpose()?;
+        Ok(FailureCause::InputsChanged {
+            newest: newest.flatten(),
+            paths,
+        })
     }
 
     fn record_of(
@@ -135,7 +153,8 @@ impl Workshop<'_> {
     }
 
     /// Sees that nothing stands where the stage has its outputs but what runs made; what does
-    /// is moved aside, where that was asked for, or the stage has failed.
+    /// is moved aside, where that was asked for, or the stage has failed. What a run that was cut
+    /// off may have made is always moved aside.
     pub(crate) fn make_room(
         &self,
         graph: &Graph<'_>,
@@ -148,21 +167,27 @@ impl Workshop<'_> {
         }
         let mut ledger = self.ledger();
         let keys = ledger.overlapping(stage);
-        let paths = own::foreign(stage, &keys, ledger.get(), &self.hasher)?;
+        let unknown = own::unknown(stage, &keys, ledger.get(), &self.hasher)?;
         drop(ledger);
-        if paths.is_empty() {
-            return Ok(None);
-        }
-        if !self.move_aside {
-            let cause = FailureCause::Foreign { paths };
+        let (foreign, unsure) = (unknown.foreign, unknown.unsure);
+        if !foreign.is_empty() && !self.move_aside {
+            let cause = FailureCause::Foreign { paths: foreign };
             return Ok(Some(self.failure(stage, files, cause, Vec::new(), None)));
         }
-        let folders = own::move_aside(&paths, graph, &self.place.root)?;
-        tell(News::Warning(Warning::MovedAside {
-            stage: stage.name.clone(),
-            files: paths.len(),
-            folders,
-        }));
+        if !foreign.is_empty() {
+            tell(News::Warning(Warning::MovedAside {
+                stage: stage.name.clone(),
+                files: foreign.len(),
+                folders: own::move_aside(&foreign, graph, &self.place.root)?,
+            }));
+        }
+        if !unsure.is_empty() {
+            tell(News::Warning(Warning::CutOff {
+                stage: stage.name.clone(),
+                files: unsure.len(),
+                folders: own::move_aside(&unsure, graph, &self.place.root)?,
+            }));
+        }
         Ok(None)
     }
 
@@ -196,17 +221,29 @@ impl Workshop<'_> {
         };
         own::clear(stage, &past.unwrap_or_default(), &self.place.root)?;
         let stdout = self.place.stdout_of(&stage.name, &stage.key());
-        own::remove(&stdout).map_err(PipelineError::io("remove the old", &self.place.log_dir))
+        own::remove(&stdout).map_err(PipelineError::io("remove the old", &stdout))
     }
 
     /// Notes which files a stage left that did not end well.
     pub(crate) fn leave(&self, stage: &Stage) -> Result<(), PipelineError> {
-        let mut files = BTreeMap::new();
-        for output in &stage.outputs {
-            if let Some(names) = self.hasher.names(output)? {
-                files.insert(output.clone(), names);
-            }
-        }
-        self.ledger().leave(stage, files)
+        self.leave_some(stage, |_| true)
     }
+
+    /// The same of a stage that cannot have made anything in the outputs which `is_own` does not pick.
+    pub(crate) fn leave_some(
+        &self,
+        stage: &Stage,
+        is_own: impl Fn(&str) -> bool,
+    ) -> Result<(), PipelineError> {
+        let outputs = stage.outputs.iter().filter(|output| is_own(output));
+        let files = self.hasher.names_in(outputs)?;
+        self.ledger().leave(&stage.key(), files)
+    }
+}
+
+/// An error with what led to it.
+fn with_sources(error: &(dyn Error + 'static)) -> String {
+    let errors = std::iter::successors(Some(error), |&error| error.source());
+    let texts: Vec<String> = errors.map(ToString::to_string).collect();
+    texts.join(": ")
 }

@@ -239,6 +239,8 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
         |program: &str, arguments: &[&str]| output(Command::new(program).args(arguments)).ok();
     let accounted = text_of("sacct", &["-n", "-X", "-P", "-o", "State", "-j", task]);
     let accounted = accounted.and_then(|text| text.lines().next().map(|s| s.trim().to_owned()));
+    // Accounting hears of an end late: until then it has the state before.
+    let accounted = accounted.filter(|state| is_final(state));
     let controlled = || {
         let text = text_of("scontrol", &["-o", "show", "job", task])?;
         let state = text
@@ -246,10 +248,26 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
             .find_map(|word| word.strip_prefix("JobState="))?;
         Some(state.to_owned())
     };
-    accounted
-        .filter(|state| !state.is_empty())
-        .or_else(controlled)
-        .unwrap_or_else(unknown)
+    let controlled = || controlled().filter(|state| is_final(state));
+    accounted.or_else(controlled).unwrap_or_else(unknown)
+}
+
+/// Whether a state of Slurm is one in which jobs end; it may go on, as `CANCELLED by 1000`.
+fn is_final(state: &str) -> bool {
+    let word = state.split([' ', '+']).next().unwrap_or_default();
+    matches!(
+        word,
+        "BOOT_FAIL"
+            | "CANCELLED"
+            | "COMPLETED"
+            | "DEADLINE"
+            | "FAILED"
+            | "NODE_FAIL"
+            | "OUT_OF_MEMORY"
+            | "PREEMPTED"
+            | "REVOKED"
+            | "TIMEOUT"
+    )
 }
 
 /// What HyperQueue says of a job.
@@ -294,6 +312,7 @@ fn output(command: &mut Command) -> Result<String, PipelineError> {
         command: program.clone(),
         message,
     };
+    crate::executor::set_apart(command);
     let output = command
         .output()
         .map_err(|error| failed(error.to_string()))?;
@@ -336,6 +355,16 @@ mod tests {
             tasks[0]["request"][0]["resources"]["cpus"].as_integer(),
             Some(2)
         );
+    }
+
+    #[test]
+    fn only_a_state_in_which_jobs_end_says_how_one_ended() {
+        for state in ["TIMEOUT", "CANCELLED by 1000", "OUT_OF_MEMORY", "FAILED"] {
+            assert!(is_final(state), "{state}");
+        }
+        for state in ["", "RUNNING", "PENDING", "COMPLETING", "REQUEUED"] {
+            assert!(!is_final(state), "{state}");
+        }
     }
 
     #[test]

@@ -1,24 +1,25 @@
 //! Following what was handed in, and handing in what has become possible.
 
+mod ended;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use super::ending::Ending;
 use super::engine;
 use super::jobs::{Jobs, Task};
-use super::script;
 use super::submit::{Candidate, submit};
-use crate::attempt::{Attempt, Examined, News, Run, Workshop};
+use crate::attempt::{Attempt, Examined, Workshop};
 use crate::schedule::Schedule;
-use crate::{Event, Executor, FailureCause, Graph, PipelineError, Reason, RunOptions, Stage};
+use crate::{Event, Executor, FailureCause, Graph, PipelineError, Reason, RunOptions};
+use ended::was_open;
 
 /// Between two looks: the first, and the longest.
 const LOOKS: [Duration; 2] = [Duration::from_millis(100), Duration::from_secs(3)];
 /// How long the cluster may not answer.
 const SILENCE: Duration = Duration::from_mins(2);
-/// Last lines of a failed stage that are told.
-const TOLD_LINES: usize = 20;
 
 /// Where a stage stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -60,7 +61,8 @@ impl<'a> Follower<'a> {
         let jobs = match Jobs::read(&file)? {
             Some(jobs) if jobs.engine == engine => jobs,
             _ => {
-                super::refuse_while_jobs_run(workshop.place)?;
+                let ledger = &mut workshop.ledger();
+                super::refuse_while_jobs_run(workshop.place, ledger, &workshop.hasher)?;
                 Jobs::new(engine, file)
             }
         };
@@ -126,28 +128,37 @@ impl<'a> Follower<'a> {
 
     /// Takes over what an earlier run handed in; what is no longer wanted so is taken back.
     fn resume(&mut self, schedule: &mut Schedule<'_>) -> Result<usize, PipelineError> {
-        let indices: BTreeMap<&str, usize> = self
-            .graph
-            .order()
-            .iter()
-            .map(|&index| (self.graph.stage(index).name.as_str(), index))
-            .collect();
-        let mut dropped = BTreeSet::new();
+        let graph = self.graph;
+        let mut tasks = std::mem::take(&mut self.jobs.tasks);
+        let mut given_up: BTreeSet<usize> = BTreeSet::new();
+        let mut dropped: Vec<Task> = Vec::new();
         let mut resumed = 0;
-        for (name, task) in std::mem::take(&mut self.jobs.tasks) {
-            let wanted = indices.get(name.as_str()).copied();
-            let wanted = wanted.filter(|index| schedule.wanted.contains(index));
-            let same = wanted.filter(|&index| !task.job.is_empty() && self.is_same(index, &task));
-            if let Some(index) = same {
+        // Makers first: the cluster would take a task back with one that it waits for.
+        for &index in graph.order() {
+            let name = &graph.stage(index).name;
+            let Some(task) = tasks.remove(name) else {
+                continue;
+            };
+            let waits = graph.makers(index).iter().any(|m| given_up.contains(m));
+            if !waits
+                && schedule.wanted.contains(&index)
+                && !task.job.is_empty()
+                && self.is_same(index, &task)
+            {
                 self.standing[index] = Standing::OnCluster;
                 schedule.submitted(index, Vec::new());
-                self.jobs.tasks.insert(name, task);
+                self.jobs.tasks.insert(name.clone(), task);
                 resumed += 1;
             } else {
-                task.give_up();
-                dropped.insert(task.job.clone());
+                given_up.insert(index);
+                dropped.push(task);
             }
         }
+        dropped.extend(tasks.into_values()); // of stages that the pipeline no longer has
+        for task in &dropped {
+            self.give_up(task)?;
+        }
+        let mut dropped: BTreeSet<String> = dropped.into_iter().map(|task| task.job).collect();
         let kept = self.jobs.jobs();
         dropped.retain(|job| !job.is_empty() && !kept.contains(job));
         engine::cancel(self.jobs.engine, &dropped);
@@ -155,12 +166,18 @@ impl<'a> Follower<'a> {
         Ok(resumed)
     }
 
+    fn give_up(&self, task: &Task) -> Result<(), PipelineError> {
+        let workshop = self.workshop;
+        task.give_up(&mut workshop.ledger(), &workshop.hasher)
+    }
+
     /// Whether a stage would be handed in again just as it was.
     fn is_same(&self, index: usize, task: &Task) -> bool {
-        let now = self.workshop.look(self.graph.stage(index));
+        let stage = self.graph.stage(index);
+        let now = self.workshop.look(stage);
         now.is_ok_and(|now| {
             now.made_from
-                .without_inputs(|path| !task.made_from.has_input(path))
+                .without_inputs(|path| was_open(stage, task, path))
                 == task.made_from
         })
     }
@@ -333,18 +350,19 @@ impl<'a> Follower<'a> {
         let task = task.clone();
         let makers = self.graph.needs(index).iter().map(|need| need.maker);
         let standings: Vec<Standing> = makers.map(|maker| self.standing[maker]).collect();
-        let ended = has_ended.then(|| read_ending(&task)).flatten();
+        let ended = has_ended.then(|| Ending::read(&task.spool, task.index));
+        let ended = ended.flatten();
         let ended = ended.filter(|_| !standings.contains(&Standing::OnCluster));
         let attempt = if let Some(ended) = ended {
             let mut tell = |news| schedule.hear(index, news, observe);
-            self.ended(stage, &task, ended, &mut tell)?
+            self.ended(index, &task, &ended, &mut tell)?
         } else {
             if standings.contains(&Standing::Dead) {
                 // The cluster took it back with what it waited for.
-                task.give_up();
+                self.give_up(&task)?;
                 self.jobs.settle(&stage.name)?;
                 self.standing[index] = Standing::Dead;
-                schedule.settle(index, Attempt::Interrupted, observe);
+                schedule.settle(index, Attempt::TakenBack, observe);
                 return Ok(true);
             }
             let since = *self
@@ -355,7 +373,7 @@ impl<'a> Follower<'a> {
             {
                 return Ok(false);
             }
-            task.give_up();
+            self.give_up(&task)?;
             let cause = FailureCause::JobLost {
                 job: task.id(),
                 state: engine::last_state(self.jobs.engine, &task.id()),
@@ -383,70 +401,4 @@ impl<'a> Follower<'a> {
         };
         schedule.settle(index, attempt, observe);
     }
-
-    /// Enters a stage that has ended by itself.
-    fn ended(
-        &self,
-        stage: &Stage,
-        task: &Task,
-        (code, seconds): (i32, f64),
-        tell: &mut dyn FnMut(News),
-    ) -> Result<Attempt, PipelineError> {
-        let log = self.keep_log(stage, task)?;
-        let failed = |cause| {
-            self.workshop.leave(stage)?;
-            let failure = self
-                .workshop
-                .failure(stage, &[], cause, log.clone(), Some(seconds));
-            Ok(Attempt::Failed(failure))
-        };
-        if code != 0 {
-            return failed(FailureCause::Exit { code });
-        }
-        let stdout = read_text(&script::printed(&task.spool, task.index, "out"));
-        let now = self.workshop.look(stage)?;
-        let is_open = |path: &str| !task.made_from.has_input(path);
-        let run = Run {
-            made_from: task.made_from.clone().with_inputs(&now.made_from, is_open),
-            seconds,
-            peak_memory: None,
-            stdout: &stdout,
-        };
-        match self.workshop.record(stage, run, tell)? {
-            None => Ok(Attempt::Done {
-                seconds,
-                peak_memory: None,
-            }),
-            Some(cause) => failed(cause),
-        }
-    }
-
-    /// Puts what a task printed where a local run would have, and returns its last lines.
-    fn keep_log(&self, stage: &Stage, task: &Task) -> Result<Vec<String>, PipelineError> {
-        let printed = |stream| read_text(&script::printed(&task.spool, task.index, stream));
-        let command = crate::shell::quoted(&stage.command);
-        let text = format!("$ {command}\n{}{}", printed("out"), printed("err"));
-        let path = self.workshop.place.log_of(&stage.name);
-        fs::write(&path, &text).map_err(PipelineError::io("write the log", &path))?;
-        let lines: Vec<&str> = text.lines().skip(1).collect();
-        let last = lines.len().saturating_sub(TOLD_LINES);
-        Ok(lines[last..]
-            .iter()
-            .map(|line| (*line).to_owned())
-            .collect())
-    }
-}
-
-/// Exit status and seconds, if the task has told them.
-fn read_ending(task: &Task) -> Option<(i32, f64)> {
-    let text = fs::read_to_string(script::ending(&task.spool, task.index)).ok()?;
-    let (code, seconds) = text.trim().split_once(' ')?;
-    Some((code.parse().ok()?, seconds.parse().ok()?))
-}
-
-fn read_text(path: &std::path::Path) -> String {
-    fs::read(path).map_or_else(
-        |_| String::new(),
-        |bytes| String::from_utf8_lossy(&bytes).into_owned(),
-    )
 }

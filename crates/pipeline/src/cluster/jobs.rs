@@ -5,8 +5,10 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::{engine, script};
+use super::{ending::Ending, engine, script};
 use crate::atomic_write::{Durability, atomic_write_bytes};
+use crate::content::Hasher;
+use crate::ledger::OpenLedger;
 use crate::{Executor, Manifest, PipelineError, Place};
 
 /// Everything that was handed in and is not settled, so that another process can follow it.
@@ -61,6 +63,9 @@ pub(super) struct Task {
     pub(super) spool: PathBuf,
     /// What the stage is made from, without the inputs that others were to make first.
     pub(super) made_from: Manifest,
+    /// Under which the ledger has noted that the stage was begun; empty where an earlier version handed it in.
+    #[serde(default)]
+    pub(super) key: String,
 }
 
 impl Task {
@@ -69,9 +74,24 @@ impl Task {
         format!("{}_{}", self.job, self.number)
     }
 
-    /// Keeps a task that may still run from putting its outputs in place.
-    pub(super) fn give_up(&self) {
+    /// Keeps a task that may still run from putting its outputs in place. If it has put none there, what stands there is noted as
+    /// not its stage's.
+    pub(super) fn give_up(
+        &self,
+        ledger: &mut OpenLedger,
+        hasher: &Hasher<'_>,
+    ) -> Result<(), PipelineError> {
         let _ = fs::remove_file(script::script(&self.spool, self.index));
+        let is_first = fs::create_dir(script::first(&self.spool, self.index)).is_ok();
+        let ending = || Ending::read(&self.spool, self.index);
+        let has_moved_nothing = is_first || ending().is_some_and(|e| e.has_moved_nothing());
+        let left = ledger.get().left.get(&self.key);
+        let Some(left) = left.filter(|left| has_moved_nothing && !left.open.is_empty()) else {
+            return Ok(());
+        };
+        let written = left.open.iter().filter(|path| !script::is_moved(path));
+        let files = hasher.names_in(written)?;
+        ledger.leave(&self.key, files)
     }
 }
 
@@ -233,7 +253,11 @@ fn json(line: &Line) -> std::io::Result<String> {
 }
 
 /// Refuses to work beside jobs that an earlier run left; forgets those that have ended.
-pub(crate) fn refuse_while_jobs_run(place: &Place) -> Result<(), PipelineError> {
+pub(crate) fn refuse_while_jobs_run(
+    place: &Place,
+    ledger: &mut OpenLedger,
+    hasher: &Hasher<'_>,
+) -> Result<(), PipelineError> {
     let Some(mut jobs) = Jobs::read(&place.jobs())? else {
         return Ok(());
     };
@@ -253,7 +277,9 @@ pub(crate) fn refuse_while_jobs_run(place: &Place) -> Result<(), PipelineError> 
             jobs: ids.into_iter().collect(),
         });
     }
-    jobs.tasks.values().for_each(Task::give_up);
+    for task in jobs.tasks.values() {
+        task.give_up(ledger, hasher)?;
+    }
     jobs.tasks.clear();
     jobs.compact()
 }
@@ -272,6 +298,7 @@ mod tests {
             number: index,
             spool: "/s".into(),
             made_from: Manifest::default(),
+            key: String::new(),
         };
         let mut jobs = Jobs::new(Executor::Slurm, path.clone());
         let tasks = (0..5).map(|i| (format!("t{i}"), task(i))).collect();

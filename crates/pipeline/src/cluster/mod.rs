@@ -5,6 +5,7 @@
 //! not ours. A task says by a file of its own how it ended. What the cluster says counts
 //! only for tasks that have not: whether they still wait or run.
 
+mod ending;
 mod engine;
 mod follow;
 mod jobs;

@@ -10,7 +10,8 @@ use crate::paths::with_ancestors;
 use crate::shell::quoted;
 use crate::{Place, Stage};
 
-/// The file that tells how task `index` ended: exit status and seconds.
+/// The file that tells how task `index` ended: exit status and seconds, and whether something stood in the way of its outputs;
+/// then, of each file that it made, size and time.
 pub(super) fn ending(spool: &Path, index: u32) -> std::path::PathBuf {
     spool.join(format!("{index}.ended"))
 }
@@ -20,10 +21,44 @@ pub(super) fn script(spool: &Path, index: u32) -> std::path::PathBuf {
     spool.join(format!("{index}.sh"))
 }
 
+/// A folder that whoever is first makes: the copy of the task that puts its outputs in place, or we, who gave the task up.
+pub(super) fn first(spool: &Path, index: u32) -> std::path::PathBuf {
+    spool.join(format!("{index}.first"))
+}
+
+/// Whether a task puts an output into place at its end, and only if it ended well; it writes others there itself.
+pub(super) fn is_moved(output: &str) -> bool {
+    !output.starts_with('/')
+}
+
 /// What it printed: `out` or `err`.
 pub(super) fn printed(spool: &Path, index: u32, stream: &str) -> std::path::PathBuf {
     spool.join(format!("{index}.{stream}"))
 }
+
+/// The word of a task's ending that says that something stood in the way of its outputs, so that none was moved.
+pub(super) const IN_THE_WAY: &str = "way";
+/// The word that says that only some of its outputs could be moved.
+pub(super) const HALF_MOVED: &str = "half";
+
+/// How outputs get into place. A link to an empty directory is a person's choice of where an output lies.
+const PUT_IN_PLACE: [&str; 14] = [
+    r#"way=; : >"$work.made""#,
+    "see() {",
+    r#"  if [ $code != 0 ] && [ -z "$way" ] || [ ! -e "./$1" ]; then return; fi"#,
+    r#"  find -H "./$1" -type f -printf '%s %T@\n' >>"$work.made" 2>/dev/null"#,
+    r#"  if [ -L "$root/$1" ] && [ -d "$root/$1" ] && [ -d "./$1" ] && [ -z "$(ls -A "$root/$1")" ]; then return; fi"#,
+    r#"  if [ -e "$root/$1" ]; then echo "$1 is in the way" >>"$work.err"; code=126; way=" way"; fi"#,
+    "}",
+    "put() {",
+    // What a link leads to may have been moved before it.
+    r#"  if [ $code != 0 ] || { [ ! -e "./$1" ] && [ ! -L "./$1" ]; }; then return; fi"#,
+    r#"  mkdir -p "$(dirname "$root/$1")""#,
+    r#"  if [ -L "$root/$1" ] && [ -d "$root/$1" ]; then find "./$1" -mindepth 1 -maxdepth 1 -exec mv -t "$root/$1" {} +"#,
+    r#"  else mv -T "./$1" "$root/$1""#,
+    r#"  fi || { code=126; way=" half"; }"#,
+    r#"} 2>>"$work.err""#,
+];
 
 /// The text of the script. `root` and `spool` are absolute.
 pub(super) fn text(
@@ -43,7 +78,7 @@ pub(super) fn text(
             .any(|above| reads.contains(&above))
     };
     let outputs: Vec<&str> = stage.outputs.iter().map(String::as_str).collect();
-    let is_relative = |path: &&str| !path.starts_with('/');
+    let is_relative = |path: &&str| is_moved(path);
     let paths = reads.iter().chain(&outputs);
     let up = paths.map(|path| path.split('/').take_while(|part| *part == "..").count());
     let deep = "/d".repeat(up.max().unwrap_or(0) + 1);
@@ -100,18 +135,19 @@ pub(super) fn text(
         r#"if [ -e "$spool/$n.ended" ] || [ ! -e "$spool/$n.sh" ] || ! mkdir "$spool/$n.first" 2>/dev/null; then cd "$spool"; rm -rf "$work" "$work".*; exit 0; fi"#
             .to_owned(),
     );
-    for output in &relative {
-        let name = word(output);
-        let place = folder(output).replace("mkdir -p ", "mkdir -p \"$root\"/");
-        lines.push(format!(
-            "if [ $code = 0 ] && [ -e {name} ]; then {place}if [ -e \"$root\"/{name} ]; then echo {name} is in the way >>\"$work.err\"; code=126; else mv -T {name} \"$root\"/{name} || code=126; fi; fi",
-        ));
+    lines.extend(PUT_IN_PLACE.map(str::to_owned));
+    // Nothing is moved while anything is in the way: what a task that failed left at these places is not its own.
+    for step in ["see", "put"] {
+        let words = relative
+            .iter()
+            .map(|output| format!("{step} {}", word(output)));
+        lines.extend(words);
     }
     lines.extend(
         [
             r#"mv "$work.out" "$spool/$n.out"; mv "$work.err" "$spool/$n.err""#,
-            r#"echo "$code $(($(date +%s) - start))" >"$work.ended""#,
-            r#"cd "$spool" && rm -rf "$work""#,
+            r#"{ echo "$code $(($(date +%s) - start))$way"; cat "$work.made"; } >"$work.ended""#,
+            r#"cd "$spool" && rm -rf "$work" "$work.made""#,
             r#"mv "$work.ended" "$spool/$n.ended""#,
             "exit $code",
         ]
@@ -195,6 +231,53 @@ mod tests {
         assert_eq!(fs::read_to_string(root.join("out")).unwrap(), "mine");
         let said = fs::read_to_string(printed(&spool, 0, "err")).unwrap();
         assert_eq!(said, "out is in the way\n");
+    }
+
+    #[test]
+    fn while_one_output_is_in_the_way_none_is_moved() {
+        let text =
+            "name = 'p'\n[[stage]]\nname = 'a'\noutputs = ['a', 'b']\ncmd = ['touch', 'a', 'b']\n";
+        let folder = tempfile::tempdir().unwrap();
+        let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
+        fs::create_dir_all(&root).unwrap();
+        fs::write(root.join("b"), "mine").unwrap();
+        write_script(text, &root, &spool);
+        assert_eq!(start(&root, &spool).wait().unwrap().code(), Some(126));
+        assert!(!root.join("a").exists());
+        let told = fs::read_to_string(ending(&spool, 0)).unwrap();
+        let words: Vec<&str> = told.lines().next().unwrap().split(' ').collect();
+        assert_eq!((words[0], words[2]), ("126", IN_THE_WAY));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_output_folder_behind_a_link_is_filled_if_it_is_empty() {
+        let text = "name = 'p'\n[[stage]]\nname = 'a'\noutputs = ['out']\n\
+                    cmd = ['sh', '-c', 'mkdir -p out/deep; echo 12345 > out/deep/1; echo 1 > out/.hidden']\n";
+        for (full, code) in [(false, 0), (true, 126)] {
+            let folder = tempfile::tempdir().unwrap();
+            let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
+            let disk = folder.path().join("disk");
+            fs::create_dir_all(&root).unwrap();
+            fs::create_dir_all(&disk).unwrap();
+            std::os::unix::fs::symlink("../disk", root.join("out")).unwrap();
+            if full {
+                fs::write(disk.join("mine"), "mine").unwrap();
+            }
+            write_script(text, &root, &spool);
+            assert_eq!(start(&root, &spool).wait().unwrap().code(), Some(code));
+            assert!(root.join("out").is_symlink());
+            assert_eq!(disk.join("deep/1").exists(), !full);
+            assert_eq!(disk.join(".hidden").exists(), !full);
+            let told = fs::read_to_string(ending(&spool, 0)).unwrap();
+            let sizes = told
+                .lines()
+                .skip(1)
+                .filter_map(|line| line.split(' ').next());
+            let mut sizes: Vec<&str> = sizes.collect();
+            sizes.sort_unstable();
+            assert_eq!(sizes, ["2", "6"], "{told}");
+        }
     }
 
     #[test]

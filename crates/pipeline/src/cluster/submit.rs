@@ -137,6 +137,7 @@ fn write_scripts(
                 number: index - group.tasks.start,
                 spool: spool.to_owned(),
                 made_from,
+                key: stage.key(),
             };
             number_of.insert(candidate.index, index);
             tasks.push((stage.name.clone(), task));

@@ -184,6 +184,14 @@ pub enum FileProblem {
         /// Paths that it has and the command does not.
         strange: Vec<String>,
     },
+    /// A parameter with which a path begins and that has no text.
+    #[error(
+        "`{{{name}}}` is empty, so that a path that begins with it would lie in the root of the disk"
+    )]
+    EmptyStart {
+        /// The parameter.
+        name: String,
+    },
     /// An input or output that would take in everything.
     #[error("`{path}` cannot be an input or output: it names no file or directory below the root")]
     BadPath {

@@ -8,8 +8,13 @@ pub use parent::end_with_run;
 
 use std::fs::File;
 use std::path::Path;
-use std::process::ExitStatus;
+use std::process::{Command, ExitStatus};
 use std::time::Duration;
+
+/// Keeps Ctrl-C in a terminal from what the command will start: we end it, or wait for its end.
+pub(crate) fn set_apart(command: &mut Command) {
+    group::Group::begin(command);
+}
 
 /// A command line with everything that its process needs.
 pub(crate) struct Job<'a> {

@@ -90,11 +90,19 @@ pub(super) fn branches(
 
 /// A whole number from 1 on.
 pub(super) fn count(key: &str, value: &super::value::Value<'_>) -> Result<u32, Located> {
-    let number = value.get_ref().as_integer();
-    number
-        .and_then(|number| u32::from_str_radix(number.as_str(), number.radix()).ok())
-        .filter(|&number| number > 0)
-        .ok_or_else(|| wrong_type(key, value, "a whole number from 1 on"))
+    let expected = "a whole number from 1 on";
+    let Some(number) = value.get_ref().as_integer() else {
+        return Err(wrong_type(key, value, expected));
+    };
+    let count = u32::from_str_radix(number.as_str(), number.radix()).ok();
+    count.filter(|&count| count > 0).ok_or_else(|| {
+        FileProblem::WrongType {
+            key: key.to_owned(),
+            found: number.as_str().to_owned(),
+            expected,
+        }
+        .located(value.span().start)
+    })
 }
 
 fn over(path: &str, at: usize) -> Result<(String, String), Located> {

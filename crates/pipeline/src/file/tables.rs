@@ -14,12 +14,15 @@ use super::value::{
     wrong_type,
 };
 use crate::PipelineError;
+use crate::content::hash_of;
 use crate::error::FileProblem;
 use crate::params::{Param, ParamKind, Params};
 use crate::paths::normalise;
 use crate::stage::{FILES, Resources, Stage};
 
 const STAGE: &str = "[[stage]]";
+/// Bytes that are kept of a branch's name: it is part of names of files, which may have 255.
+const LONGEST_NAME: usize = 100;
 
 /// The stages, and what each reads if it is there.
 pub(super) fn read_stages(
@@ -74,28 +77,41 @@ impl Read {
                 .iter()
                 .find(clash)
                 .map(|(name, _)| name.clone());
-            let (stage, if_there, start) =
+            let (mut stage, if_there, start) =
                 read_stage(table, params, branch, (start, surroundings))?;
             if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
                 return Err(FileProblem::AlsoParameter { name }.located(start));
             }
-            let next = (self.stages.len(), start);
-            let (first, first_at) = *self.firsts.entry(stage.name.clone()).or_insert(next);
-            match self.stages.get(first) {
-                None => {
-                    self.stages.push(stage);
-                    self.if_there.push(if_there);
-                }
-                Some(same) if is_same_branch(same, &stage) => {}
-                Some(_) => {
-                    let first_line = position(entry.layer.text, first_at).0;
-                    let name = stage.name;
-                    return Err(FileProblem::DuplicateStage { name, first_line }.located(start));
+            let name = stage.name.clone();
+            let mut number = 1;
+            loop {
+                let next = (self.stages.len(), start);
+                let (first, first_at) = *self.firsts.entry(stage.name.clone()).or_insert(next);
+                match self.stages.get(first) {
+                    None => {
+                        self.stages.push(stage);
+                        self.if_there.push(if_there);
+                        break;
+                    }
+                    Some(same) if is_same_branch(same, &stage) => break,
+                    Some(same) if first_at == start && is_other_branch(same, &stage) => {
+                        number += 1;
+                        stage.name = format!("{name}-{number}");
+                    }
+                    Some(_) => {
+                        let first_line = position(entry.layer.text, first_at).0;
+                        return Err(FileProblem::DuplicateStage { name, first_line }.located(start));
+                    }
                 }
             }
         }
         Ok(())
     }
+}
+
+/// Whether two combinations of one fan-out differ though their names are spelled alike: (1, 2.3) and (1.2, 3), or `a b` and `a;b`.
+fn is_other_branch(first: &Stage, other: &Stage) -> bool {
+    first.family == other.family && first.params != other.params
 }
 
 /// Whether two rows of one table differ only in columns that the stage does not use.
@@ -256,14 +272,22 @@ fn name_of(
     }
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     let mut name = family.to_owned();
+    let mut spelled = Vec::new();
     for (key, value) in &branch.values {
         let told_apart = key == "shard" || !branch.distinct || used.contains(key);
         if key == "shards" || !told_apart {
             continue;
         }
         let value = values.get(key).unwrap_or(&value.text);
+        spelled.push(value.as_str());
         name.push('.');
         name.extend(value.chars().map(|c| if plain(c) { c } else { '_' }));
+    }
+    if name.len() > LONGEST_NAME {
+        let hash = hash_of(spelled.join("\n").as_bytes());
+        name.truncate(LONGEST_NAME.max(family.len() + 1));
+        name.push('-');
+        name.push_str(&hash[..8]);
     }
     Ok(name)
 }

@@ -127,7 +127,7 @@ fn a_fan_out_that_cannot_be_is_refused_where_it_stands() {
         ),
         (
             "shards = 0\ncmd = ['x']",
-            "`shards` is an integer, expected a whole number",
+            "`shards` is 0, expected a whole number from 1 on",
         ),
         (
             "over = 'd'\ncmd = ['x']",
@@ -142,7 +142,7 @@ fn a_fan_out_that_cannot_be_is_refused_where_it_stands() {
             "`{files}` must be a word of its own",
         ),
         (
-            "shards = 2\nmatrix = {a=['é','ü']}\ncmd = ['{a}{shard}']",
+            "shards = 2\nmatrix = {a=['é','é']}\ncmd = ['{a}{shard}']",
             "a second stage",
         ),
         (
@@ -156,6 +156,50 @@ fn a_fan_out_that_cannot_be_is_refused_where_it_stands() {
         let message = format!("{error} ({help})");
         assert!(message.contains(expected), "{message}");
     }
+}
+
+#[test]
+fn an_empty_parameter_makes_no_path_in_the_root_of_the_disk() {
+    let text = "name = 'p'\n[params]\nout = 'data'\nmodel = '{out}/model'\n\
+                [[stage]]\nname = 'a'\ncmd = ['x']\noutputs = ['{model}/a.txt']\n";
+    let with = |out: &str| {
+        let settings = Settings {
+            set: vec![("out".to_owned(), out.to_owned())],
+            ..Settings::default()
+        };
+        Pipeline::parse(text, Path::new("p.toml"), Path::new("."), &settings)
+    };
+    let error = with("").unwrap_err().to_string();
+    assert!(error.contains("`{out}` is empty"), "{error}");
+    // What is meant to be absolute may be.
+    assert_eq!(
+        with("/data").unwrap().stages()[0].outputs,
+        ["/data/model/a.txt"]
+    );
+}
+
+#[test]
+fn combinations_whose_names_are_spelled_alike_are_numbered() {
+    let matrix = "matrix = { a = [1, 1.2], b = [3, 2.3] }\ncmd = ['x', '{a}', '{b}']";
+    let pipeline = in_folder("", matrix).unwrap();
+    assert_eq!(names(&pipeline)[1..3], ["fit.1.2.3", "fit.1.2.3-2"]);
+    assert_eq!(pipeline.stages()[2].command[1..], ["1.2", "3"]);
+    let rows = "foreach = 't.csv'\ncmd = ['x', '{who}']";
+    let pipeline = in_folder("who\na b\na;b\na b\na;b\na:b\n", rows).unwrap();
+    assert_eq!(names(&pipeline), ["fit.a_b", "fit.a_b-2", "fit.a_b-3"]);
+}
+
+#[test]
+fn a_long_value_gives_a_name_that_a_file_can_have_and_that_is_its_own() {
+    let long = "an open answer ".repeat(40);
+    let rows = "foreach = 't.csv'\ncmd = ['x', '{who}']";
+    let table = format!("who,note\n{long}1,a\n{long}2,a\nshort,a\n{long}1,b\n");
+    let pipeline = in_folder(&table, rows).unwrap();
+    let names = names(&pipeline);
+    assert!(names[..2].iter().all(|name| name.len() == 109), "{names:?}");
+    assert_eq!(names[0][..100], names[1][..100]);
+    assert_ne!(names[0], names[1]);
+    assert_eq!(names[2..], ["fit.short"]);
 }
 
 /// Reads the first of several files.

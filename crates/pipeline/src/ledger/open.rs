@@ -111,11 +111,11 @@ impl OpenLedger {
     /// Notes which files a run made that did not end well.
     pub(crate) fn leave(
         &mut self,
-        stage: &Stage,
+        key: &str,
         files: BTreeMap<String, Vec<String>>,
     ) -> Result<(), PipelineError> {
         self.enter(Entry::Left {
-            key: stage.key(),
+            key: key.to_owned(),
             files,
         })
     }
@@ -127,15 +127,20 @@ impl OpenLedger {
     }
 
     fn enter(&mut self, entry: Entry) -> Result<(), PipelineError> {
-        let journal = match &mut self.journal {
-            Some(journal) => journal,
-            None => self.journal.insert(Journal::create(
+        if self.journal.is_none() {
+            // A journal does not say where the paths begin: from the first run on, the ledger does.
+            if self.hash.is_none() {
+                self.write()?;
+            }
+            self.journal = Some(Journal::create(
                 &journal_of(&self.path),
                 &self.ledger.pipeline,
                 self.hash.clone(),
-            )?),
-        };
-        journal.append(&entry)?;
+            )?);
+        }
+        if let Some(journal) = &mut self.journal {
+            journal.append(&entry)?;
+        }
         entry.apply(&mut self.ledger);
         Ok(())
     }
@@ -145,13 +150,18 @@ impl OpenLedger {
         if self.journal.is_none() && !self.replayed {
             return Ok(());
         }
-        self.ledger.write(&self.path)?;
-        let bytes = std::fs::read(&self.path).map_err(PipelineError::io("read", &self.path))?;
-        self.hash = Some(hash_of(&bytes));
+        self.write()?;
         self.journal = None;
         self.replayed = false;
         // A journal that stays belongs to the old ledger and counts for nothing.
         let _ = std::fs::remove_file(journal_of(&self.path));
+        Ok(())
+    }
+
+    fn write(&mut self) -> Result<(), PipelineError> {
+        self.ledger.write(&self.path)?;
+        let bytes = std::fs::read(&self.path).map_err(PipelineError::io("read", &self.path))?;
+        self.hash = Some(hash_of(&bytes));
         Ok(())
     }
 }
@@ -189,12 +199,12 @@ mod tests {
         open.begin(stage).unwrap();
         assert_eq!(&load().ledger, open.get());
         let files = BTreeMap::from([("o".to_owned(), vec!["half".to_owned()])]);
-        open.leave(stage, files).unwrap();
+        open.leave(&stage.key(), files).unwrap();
         assert_eq!(&load().ledger, open.get());
         open.begin(stage).unwrap();
         open.finish(stage, record).unwrap();
         assert_eq!(&load().ledger, open.get());
-        assert!(!path.exists() && journal_of(&path).exists());
+        assert!(path.exists() && journal_of(&path).exists());
         open.fold().unwrap();
         assert_eq!(&load().ledger, open.get());
         assert!(path.exists() && !journal_of(&path).exists());

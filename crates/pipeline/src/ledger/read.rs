@@ -1,18 +1,18 @@
-//! Reading ledgers, of this version and of the one before.
+//! Reading ledgers, of this version and of those before.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{LEDGER_VERSION, Ledger, Left, Record};
+use super::{FIRST_BY_OUTPUT, LEDGER_VERSION, Ledger, Left, Record};
 use crate::content::hash_of;
-use crate::{Manifest, PipelineError, Row, journal};
+use crate::{Manifest, PipelineError, Place, Row, journal};
 
 /// A ledger with its journal, and what is needed to go on with them.
 pub(crate) struct Loaded {
     pub(crate) ledger: Ledger,
     /// The hash of the ledger's bytes; `None` if there is no file.
     pub(super) hash: Option<String>,
-    /// Whether the journal added anything.
+    /// Whether this is more than the file says: by the journal, or by the root.
     pub(super) replayed: bool,
 }
 
@@ -36,6 +36,27 @@ pub(crate) fn load(path: &Path, pipeline: Option<&str>) -> Result<Loaded, Pipeli
         hash,
         replayed,
     })
+}
+
+/// As [`load`], of a pipeline that runs in `place`.
+///
+/// # Errors
+/// Also [`PipelineError::OtherRoot`] if its runs were in another folder: what it says of a path there is not about the file here.
+pub(crate) fn load_at(place: &Place, pipeline: &str) -> Result<Loaded, PipelineError> {
+    let mut loaded = load(&place.ledger, Some(pipeline))?;
+    let root = place.root_from_ledger();
+    match loaded.ledger.root.replace(root.clone()) {
+        Some(before) if before != root => Err(PipelineError::OtherRoot {
+            ledger: place.ledger.clone(),
+            before: place.folder_from_ledger(&before),
+            root: place.root.clone(),
+        }),
+        before => {
+            // Where the file does not say it, it is written anew.
+            loaded.replayed |= before.is_none() && loaded.hash.is_some();
+            Ok(loaded)
+        }
+    }
 }
 
 /// The part of a ledger that every version has had.
@@ -65,7 +86,7 @@ fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Ledger, 
                 supported: LEDGER_VERSION,
             });
         }
-        if version < LEDGER_VERSION {
+        if version < FIRST_BY_OUTPUT {
             ledger = toml::from_str::<Old>(&text).map(Ledger::from);
         }
     }
@@ -178,14 +199,17 @@ mod tests {
             );
             assert!(error.suggestion().unwrap().contains("delete it"));
         }
-        assert!(read(good).is_ok());
+        for version in FIRST_BY_OUTPUT..=LEDGER_VERSION {
+            let text = good.replace('3', &version.to_string());
+            assert!(read(&text).is_ok(), "{text}");
+        }
     }
 
     #[test]
     fn a_newer_ledger_is_refused_whatever_else_it_says() {
-        let error = read("version = 4\nnovelty = true\n").unwrap_err();
+        let error = read("version = 5\nnovelty = true\n").unwrap_err();
         assert!(
-            matches!(error, PipelineError::LedgerNewer { found: 4, .. }),
+            matches!(error, PipelineError::LedgerNewer { found: 5, .. }),
             "{error}"
         );
     }

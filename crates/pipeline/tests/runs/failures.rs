@@ -107,11 +107,14 @@ fn a_failure_stops_the_run_and_says_how_to_repeat_the_stage() {
             .contains("no such column")
     );
     let repeated = std::process::Command::new("sh")
-        .args(["-c", &failure.repeat])
+        .args(["-c", failure.repeat.as_deref().unwrap()])
         .output()
         .unwrap();
     assert_eq!(repeated.status.code(), Some(3));
     assert_eq!(project.why("bad"), ["its last run did not finish"]);
+    let verified = verify(&project.pipeline(), &project.place()).unwrap();
+    assert_eq!(verified.unfinished, ["bad"]);
+    assert_eq!(verified.never_run, ["after", "apart"]);
 }
 
 #[test]

@@ -98,7 +98,9 @@ fn what_a_fan_no_longer_makes_stays_where_somebody_changed_it_and_is_named() {
     );
     assert_eq!(project.read("rows/cities.txt"), "mine\n");
     project.options.move_aside = true;
-    project.run();
+    let warnings = texts(&project.run().warnings);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("moved from the outputs of stage `row.cities`"));
     assert!(!project.path("rows/cities.txt").exists());
     assert_eq!(project.read("table.txt"), "moby\npride\n0\n1\n");
 }

@@ -67,6 +67,52 @@ fn a_touched_but_equal_file_rebuilds_nothing_and_an_equally_long_one_does() {
 }
 
 #[test]
+fn of_a_folder_into_which_its_stage_writes_the_newest_file_is_told() {
+    let project = Project::of_stage(
+        "cmd = ['sh', '-c', 'mkdir -p scripts/cache; echo x > scripts/cache/made; cp scripts/a out.txt']\n\
+         inputs = ['scripts']\noutputs = ['out.txt']\n",
+    );
+    fs::create_dir(project.path("scripts")).unwrap();
+    project.write("scripts/a", "1\n");
+    let told = project.run().failures[0].to_string();
+    let start = "stage `a` failed: scripts changed while it ran or waited (newest there: scripts/cache/made): run again; if the stage";
+    assert!(told.starts_with(start), "{told}");
+    assert_eq!(project.ran(), ["a"]);
+}
+
+#[test]
+fn a_source_that_changes_while_a_stage_runs_is_recorded_under_neither_content() {
+    let cache = tempfile::tempdir().unwrap();
+    let stage = "cmd = ['sh', '-c', '[ -e once ] || echo 2 > in.txt; cat in.txt > out.txt; touch once']\n\
+                 inputs = ['in.txt']\noutputs = ['out.txt']\nretries = 1\n";
+    let project = |edited: bool| {
+        let mut project = Project::of_stage(stage);
+        project.options.cache = Some(cache.path().to_owned());
+        project.write("in.txt", "1\n");
+        if !edited {
+            project.write("once", "");
+        }
+        project
+    };
+    let mine = project(true);
+    let report = mine.run();
+    assert_eq!(report.outcome, Outcome::Failed);
+    assert_eq!(
+        report.failures[0].to_string(),
+        "stage `a` failed: in.txt changed while it ran or waited: run again"
+    );
+    assert_eq!(mine.why("a"), ["its last run did not finish"]);
+    // Back to what it was: what was made meanwhile is not taken for its result, here or elsewhere.
+    mine.write("in.txt", "1\n");
+    assert_eq!(mine.ran(), ["a"]);
+    assert_eq!(mine.read("out.txt"), "1\n");
+    // What was made of a source that stayed as it was is.
+    let theirs = project(false);
+    assert_eq!(in_state(&theirs.run(), State::Restored), ["a"]);
+    assert_eq!(theirs.read("out.txt"), "1\n");
+}
+
+#[test]
 fn an_output_deleted_or_edited_by_hand_is_noticed_and_rebuilt() {
     let project = chain();
     project.ran();

@@ -4,6 +4,64 @@ use crate::{Project, chain, in_state, texts};
 use maveric_pipeline::*;
 use std::fs;
 
+#[test]
+fn a_pipeline_that_ran_elsewhere_does_not_take_files_of_the_same_names_here_for_its_own() {
+    let project = chain();
+    project.ran();
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("source.txt"), "1\n").unwrap();
+    fs::write(here.path().join("one.txt"), "mine").unwrap();
+    let elsewhere = Place {
+        root: here.path().to_owned(),
+        ..project.place()
+    };
+    let error = run(
+        &project.pipeline(),
+        &elsewhere,
+        &project.options,
+        &mut |_| {},
+    )
+    .unwrap_err();
+    assert!(matches!(error, PipelineError::OtherRoot { .. }), "{error}");
+    assert!(error.to_string().contains("is of runs in "), "{error}");
+    let cleaned = clean(&project.pipeline(), &elsewhere, &[], true, false);
+    assert!(cleaned.is_err());
+    let mine = fs::read_to_string(here.path().join("one.txt")).unwrap();
+    assert_eq!(mine, "mine");
+    assert!(project.ran().is_empty());
+}
+
+#[test]
+fn a_project_that_is_moved_as_a_whole_and_a_ledger_of_before_go_on() {
+    let mut project = chain();
+    project.ran();
+    let moved = tempfile::tempdir().unwrap();
+    for name in ["source.txt", "one.txt", "out", "parts", "state", "logs"] {
+        fs::rename(project.path(name), moved.path().join(name)).unwrap();
+    }
+    project.folder = moved;
+    assert!(project.ran().is_empty());
+    let ledger = project.read("state/test.lock");
+    let lines = ledger.lines().filter(|line| !line.starts_with("root = "));
+    let before: Vec<&str> = lines.collect();
+    assert!(before.len() + 1 == ledger.lines().count(), "{ledger}");
+    project.write(
+        "state/test.lock",
+        &before.join("\n").replace("version = 4", "version = 3"),
+    );
+    assert!(project.ran().is_empty());
+    assert!(project.read("state/test.lock").contains("root = "));
+}
+
+#[test]
+fn a_ledger_says_from_the_first_stage_on_where_its_pipeline_ran() {
+    let stage = "cmd = ['cp', 'state/test.lock', 'seen']\noutputs = ['seen']\n";
+    let project = Project::of_stage(stage);
+    project.ran();
+    let seen = project.read("seen");
+    assert!(seen.contains("root = ") && !seen.contains("seen"), "{seen}");
+}
+
 /// A stage that makes a file for each line of its source, and one that counts them.
 const FOLDER: &str = r#"
 name = "test"
@@ -66,6 +124,8 @@ fn a_file_that_no_run_made_is_named_never_deleted_and_never_read() {
         "stage `split` failed: out/parts/deep/notes in its outputs, made by no run: move it away, \
          or run with --move-aside, which puts it beside with the date"
     );
+    // The stage's command would replace what is protected.
+    assert_eq!(report.failures[0].repeat, None);
     assert_eq!(in_state(&report, State::Wanted), ["count"]);
     project.options.force = true;
     assert_eq!(
@@ -123,6 +183,47 @@ fn what_a_failed_stage_left_is_its_own_and_what_came_later_is_not() {
     );
     project.remove("out/parts/deep/notes");
     assert_eq!(project.ran(), ["split", "count"]);
+}
+
+#[test]
+fn what_lies_in_the_folder_of_a_run_that_was_cut_off_is_moved_and_never_deleted() {
+    let project = folder();
+    fs::create_dir_all(project.path("state")).unwrap();
+    fs::create_dir_all(project.path("out/parts/deep")).unwrap();
+    // The run before had made one file of this name: that one goes as it always does.
+    let begun = "version = 3\npipeline = 'test'\n\
+                 [left.'out/parts']\nstage = 'split'\nopen = ['out/parts']\n\
+                 [left.'out/parts'.files]\n'out/parts' = ['deep/1']\n";
+    project.write("state/test.lock", begun);
+    project.write("out/parts/deep/1", "half");
+    project.write("out/parts/deep/9", "half");
+    project.write("out/parts/notes", "mine");
+    let cleaned = clean(&project.pipeline(), &project.place(), &[], false, false).unwrap();
+    assert_eq!(cleaned.kept, ["out/parts"]);
+    let report = project.run();
+    assert_eq!(report.outcome, Outcome::Done, "{:?}", report.failures);
+    let told = texts(&report.warnings).join("; ");
+    let start =
+        "the last run of stage `split` was cut off: what lay in its folders (2 files) is now in ";
+    let aside = told.strip_prefix(start).unwrap();
+    assert_eq!(project.read(&format!("{aside}/parts/notes")), "mine");
+    assert_eq!(project.read(&format!("{aside}/parts/deep/9")), "half");
+    assert!(!project.path(&format!("{aside}/parts/deep/1")).exists());
+    assert_eq!(project.read("count-out"), "3\n");
+}
+
+#[test]
+fn an_output_file_of_a_run_that_was_cut_off_is_made_again_without_a_word() {
+    let project = chain();
+    fs::create_dir_all(project.path("state")).unwrap();
+    let begun = "version = 3\npipeline = 'test'\n\
+                 [left.'one.txt']\nstage = 'one'\nopen = ['one.txt']\n";
+    project.write("state/test.lock", begun);
+    project.write("one.txt", "half");
+    let report = project.run();
+    assert_eq!(report.outcome, Outcome::Done, "{:?}", report.failures);
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    assert_eq!(project.read("one.txt"), "1\n2\n1\n");
 }
 
 #[test]

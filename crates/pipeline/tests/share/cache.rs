@@ -50,7 +50,14 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     // A cache that cannot be written costs a warning.
     let mut without = Novels::new();
     without.options.cache = Some(without.path("books.csv"));
-    assert_eq!(without.run().warnings.len(), 9);
+    let warnings = without.run().warnings;
+    assert_eq!(warnings.len(), 9);
+    #[cfg(unix)]
+    assert!(
+        warnings[0].to_string().contains(": Not a directory"),
+        "{}",
+        warnings[0]
+    );
 }
 
 #[test]
@@ -146,4 +153,32 @@ fn a_folder_in_the_place_of_a_file_of_the_cache_is_no_file_and_stays() {
         "{warnings:?}"
     );
     assert!(blob.join("mine").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_restored_is_as_private_as_what_a_stage_makes() {
+    use std::os::unix::fs::PermissionsExt;
+    const AGAIN: &str = "MAVERIC_PIPELINE_TEST_PRIVATE";
+    const NAME: &str = "cache::what_is_restored_is_as_private_as_what_a_stage_makes";
+    // The umask belongs to a process: the test starts itself again with another.
+    if std::env::var_os(AGAIN).is_none() {
+        let again = std::process::Command::new("sh")
+            .args(["-c", "umask 077; exec \"$0\" --exact \"$1\""])
+            .arg(std::env::current_exe().unwrap())
+            .arg(NAME)
+            .env(AGAIN, "")
+            .output()
+            .unwrap();
+        let printed = String::from_utf8_lossy(&again.stdout).into_owned();
+        assert!(printed.contains("1 passed"), "{printed}");
+        return;
+    }
+    let cache = tempfile::tempdir().unwrap();
+    let with_cache = || Novels::with_cache(cache.path());
+    with_cache().run();
+    let theirs = with_cache();
+    assert_eq!(theirs.run_with(State::Restored).len(), 9);
+    let made = fs::metadata(theirs.path("made/table.csv")).unwrap();
+    assert_eq!(made.permissions().mode() & 0o777, 0o600);
 }

@@ -54,6 +54,7 @@ fn trace_walks_back_to_the_rows_and_files() {
         lines[1],
         "<- stage row.pride.1813 (row on line 3 of books.csv)"
     );
+    assert!(lines[3].starts_with("     took "), "{lines:?}");
     fs::write(novels.path("texts/pride.txt"), "other").unwrap();
     let lines = trace("made/rows/pride.csv").unwrap().lines();
     assert!(

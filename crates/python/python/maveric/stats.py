@@ -339,7 +339,7 @@ def compare(
     with_ : str or list of str, optional
         Products that are tested: `age:style`, whether the effect of `style` within subjects changes with `age`.
     ordinal : bool
-        The values are ordered answers: only their order counts.
+        The values are ordered answers: of one factor only their order counts, of several ranks are of means and differences of their numbers.
     missing : {"listwise", "mixed"}
         What becomes of a person without every cell.
     where : dict, optional

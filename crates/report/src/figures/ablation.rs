@@ -60,9 +60,10 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
         caption: format!(
             "Loss on drivers that the networks have not seen ({}-fold cross-validation by driver), minus that of \
              {reference_name} on the same drive: mean over drives with its 95% interval. Right of the line is worse. *n* = \
-             {} drives; no test.",
+             {} drives{}; no test.",
             input.folds,
             reference.losses[0].len(),
+            input.fewer(),
         ),
         alt: sentences((0..input.losses.len()).filter_map(|loss| input.worst(loss))),
         shows: Shows::Participants,
@@ -119,6 +120,16 @@ impl Ablation {
         variants
             .map(|v| difference(&v.losses[loss], reference))
             .collect()
+    }
+
+    /// The losses that some drives do not have, such as `, 25 of them with following distance (m)`.
+    fn fewer(&self) -> String {
+        let losses = self.variants[0].losses.iter().zip(&self.losses);
+        let fewer = losses.filter(|(drives, _)| drives.contains(&None));
+        let clauses = fewer.map(|(drives, title)| {
+            format!(", {} of them with {title}", drives.iter().flatten().count())
+        });
+        clauses.collect()
     }
 
     /// Which variant is furthest above the first, in words.

@@ -73,8 +73,10 @@ impl Follower {
 
     fn pen(self) -> Pen {
         match self {
-            Self::Recorded => Pen::new(self.colour(), 1.3),
-            Self::Model | Self::ClosedLoop => Pen::new(self.colour(), stroke::STRONG),
+            // Dark and thick beside the strong green: told apart without colour.
+            Self::Recorded => Pen::new(self.colour(), 1.8),
+            Self::Model => Pen::new(self.colour(), stroke::STRONG).dashed(8.0, 1.5),
+            Self::ClosedLoop => Pen::new(self.colour(), stroke::STRONG),
             Self::MeanEmbedding | Self::ClosedLoopMean => {
                 Pen::new(self.colour(), 0.8).dashed(1.2, 1.5)
             }

@@ -155,22 +155,36 @@ fn caption(input: &Comparison) -> String {
         let which = if many { ", those below .05" } else { "" };
         format!(" Brackets: {}{which}.", input.contrasts)
     };
+    let mut cells = input.panels.iter().flat_map(|p| &p.cells);
+    let means = if cells.any(|cell| cell.mean.is_some()) {
+        format!(", black dots means with {}", input.intervals)
+    } else {
+        String::new()
+    };
     format!(
         "{points} Half violins are kernel densities (to two bandwidths beyond the data), boxes quartiles with whiskers to 1.5 times \
-         their distance, black dots means with {}. *n* = {people}.{brackets}",
-        input.intervals
+         their distance{means}. *n* = {people}.{brackets}"
     )
 }
 
 fn alternative(input: &Comparison) -> String {
     let panel = |panel: &ComparisonPanel| {
         let means = panel.cells.iter().filter_map(|cell| {
-            let [mean, _, _] = cell.mean?;
-            Some(format!("{} {}", cell.name, apa::number(mean, 2)))
+            let [mean, low, high] = cell.mean?;
+            let written = apa::number(mean, apa::decimals(high - low));
+            Some(format!("{} {written}", cell.name))
         });
         let means: Vec<String> = means.collect();
-        let test = markup::plain(&panel.test);
-        format!("{}: means {}. {test}.", panel.outcome, means.join(", "))
+        let cells: Vec<&str> = panel.cells.iter().map(|cell| cell.name.as_str()).collect();
+        let cells = match &means[..] {
+            [] => cells.join(", "),
+            means => format!("means {}", means.join(", ")),
+        };
+        let test = match markup::plain(&panel.test) {
+            test if test.is_empty() => test,
+            test => format!(" {test}."),
+        };
+        format!("{}: {cells}.{test}", panel.outcome)
     };
     sentences(input.panels.iter().map(panel))
 }
@@ -215,6 +229,25 @@ mod tests {
         );
         assert!(figure.alt.contains("a_b 1.50, c*d* 2.50"), "{}", figure.alt);
         assert!(figure.caption.contains("Brackets: *p* after Holm."));
+    }
+
+    #[test]
+    fn a_description_has_no_gap_where_there_are_no_means_or_no_test() {
+        let mut bare = input();
+        assert!(alternative(&bare).contains("means a_b 1.50, c*d* 2.50. t(3) = 2.10."));
+        for cell in &mut bare.panels[0].cells {
+            cell.mean = None;
+        }
+        let said = alternative(&bare);
+        assert!(said.contains(": a_b, c*d*. t(3) = 2.10."), "{said}");
+        assert!(caption(&bare).contains("their distance. *n* = 3."));
+        let mut small = input();
+        small.panels[0].cells[0].mean = Some([0.004, 0.002, 0.006]);
+        let said = alternative(&small);
+        assert!(said.contains("means a_b 0.0040, c*d* 2.50."), "{said}");
+        bare.panels[0].test = String::new();
+        let said = alternative(&bare);
+        assert!(said.ends_with(": a_b, c*d*."), "{said}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::prelude::*;
 use super::rainclouds::{self, Panel, Slot};
 use crate::apa;
 use maveric_domain::ConditionId;
-use maveric_stats::{mean, within_subject_intervals};
+use maveric_stats::{mean, mean_interval, standard_deviation, within_subject_intervals};
 
 /// The panels of the figure, in reading order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -196,9 +196,13 @@ fn empty(panel: &DifferencePanel) -> impl Iterator<Item = ConditionId> {
     conditions.filter_map(move |(index, &condition)| nobody(index).then_some(condition))
 }
 
-/// Mean and within-subject interval of each condition, over who has a value in all; none below two of them.
+/// Mean and within-subject interval of each condition, over who has a value in all, of one condition alone the mean with its own interval; none
+/// below two people.
 fn means(panel: &DifferencePanel) -> Vec<Option<[f64; 3]>> {
     let rows = complete(panel);
+    if panel.conditions.len() == 1 {
+        return vec![mean_interval(&rows.concat(), 0.95)];
+    }
     let intervals = within_subject_intervals(&rows);
     let interval = |index: usize| intervals.as_ref().map(|intervals| intervals[index]);
     (0..panel.conditions.len()).map(interval).collect()
@@ -243,10 +247,16 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
         .map(|panel| complete(panel).len())
         .collect();
     let complete = counted(complete.into_iter(), " (by panel)");
-    let points = if everybody > MOST_POINTS {
-        "Points and lines of single participants are left out, there being too many."
-    } else {
-        "Each point is a participant, each thin line one participant across the conditions."
+    let alone = input.panels.iter().all(|panel| panel.conditions.len() == 1);
+    let points = match (everybody > MOST_POINTS, alone) {
+        (true, true) => "Points of single participants are left out, there being too many.",
+        (true, false) => {
+            "Points and lines of single participants are left out, there being too many."
+        }
+        (false, true) => "Each point is a participant.",
+        (false, false) => {
+            "Each point is a participant, each thin line one participant across the conditions."
+        }
     };
     let what = match input.from {
         Some(from) => format!(
@@ -290,13 +300,20 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
             )
         })
         .collect();
+    let nobody = nobody.concat();
+    let drawn = "Half violins are kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to \
+                 1.5 times their distance";
+    if alone {
+        return format!(
+            "{what}. {points} {drawn}, black dots means with 95% intervals, cut where the panel ends. *n* = {everybody} participants, of whom \
+             {complete} have a value.{shortened}{nobody}"
+        );
+    }
     format!(
-        "{what}. {points} Half violins are \
-         kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to 1.5 times their distance, black dots \
+        "{what}. {points} {drawn}, black dots \
          means with within-subject 95% intervals (Cousineau–Morey), cut where the panel ends: these compare conditions with one another{line}. *n* = {everybody} participants, of \
          whom {complete} enter means, intervals and tests: those with a value in every condition and, where the period is tested, a known order. \
-         The omnibus test stands below each title. {brackets}{shortened}{}",
-        nobody.concat()
+         The omnibus test stands below each title, of several factors that of their interaction. {brackets}{shortened}{nobody}"
     )
 }
 
@@ -344,13 +361,16 @@ fn brackets(input: &DifferencePanels) -> String {
 fn alternative(input: &DifferencePanels, context: &Context) -> String {
     sentences(input.panels.iter().map(|panel| {
         let rows = complete(panel);
+        let values = |index: usize| rows.iter().map(|row| row[index]).collect::<Vec<f64>>();
+        let spreads = (0..panel.conditions.len()).filter_map(|c| standard_deviation(&values(c)));
+        let variances: Vec<f64> = spreads.map(|sd| sd * sd).collect();
+        let decimals = apa::decimals(mean(&variances).unwrap_or(0.0).sqrt());
         let means = panel
             .conditions
             .iter()
             .enumerate()
             .filter_map(|(index, condition)| {
-                let values: Vec<f64> = rows.iter().map(|row| row[index]).collect();
-                let mean = number(mean(&values)?, 2);
+                let mean = number(mean(&values(index))?, decimals);
                 Some(format!("{} {mean}", context.look(*condition).label))
             });
         let means: Vec<String> = means.collect();

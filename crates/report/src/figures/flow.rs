@@ -8,11 +8,15 @@ use super::prelude::*;
 pub struct Flow {
     /// People who asked to take part and were not admitted: the rule that they did not fulfil, and count. Plain text.
     pub not_admitted: Vec<(String, usize)>,
+    /// People who did not agree to the consent.
+    pub not_agreed: usize,
     /// People who were to be tested.
     pub recruited: usize,
-    /// Those of them who drove or rated something.
+    /// Those of them who neither drove nor rated anything: reason and count. Plain text.
+    pub absent: Vec<(String, usize)>,
+    /// Those who drove or rated something.
     pub drove: usize,
-    /// People left out: reason and count. Plain text.
+    /// Those of them who are left out: reason and count. Plain text.
     pub left_out: Vec<(String, usize)>,
     /// People analysed.
     pub analysed: usize,
@@ -34,23 +38,27 @@ const LETTERS: usize = 58;
 /// Draws who was recruited, drove, was left out and why, and was analysed, from top to bottom.
 ///
 /// # Errors
-/// [`ReportError`] if fewer were recruited than drove, or than were analysed.
+/// [`ReportError`] if those who leave the flow at a step are not as many as are missing at the next.
 ///
 /// # Source
 /// CONSORT 2010 (Schulz, Altman and Moher): the flow diagram.
 pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
-    for (field, count) in [("drove", input.drove), ("analysed", input.analysed)] {
+    let held_back = count(&input.not_admitted);
+    let (absent, out) = (count(&input.absent), count(&input.left_out));
+    for (field, left, gone, before) in [
+        ("drove", input.drove, absent, input.recruited),
+        ("analysed", input.analysed, out, input.drove),
+    ] {
         check.that(
-            count <= input.recruited,
+            left + gone == before,
             field,
-            count as f64,
-            &format!("at most the {} recruited", input.recruited),
+            left as f64,
+            &format!("{before} less the {gone} who left before"),
         )?;
     }
     let steps = steps(input);
     let height: f64 = steps.iter().map(Step::height).sum::<f64>() + GAP * steps.len() as f64;
-    let out = count(&input.left_out);
     let width = if has_beside(&steps) {
         TWO_COLUMNS_MM
     } else {
@@ -66,12 +74,11 @@ pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
             input.analysed
         ),
         alt: format!(
-            "{}{} recruited, {} took part, {out} left out{}, {} analysed.",
-            match count(&input.not_admitted) {
-                0 => String::new(),
-                n => format!("{n} not admitted{}, ", reasons(&input.not_admitted)),
-            },
+            "{}{}{} recruited, {}{} took part, {out} left out{}, {} analysed.",
+            if_any(held_back, "not admitted", &input.not_admitted),
+            if_any(input.not_agreed, "did not agree", &[]),
             input.recruited,
+            if_any(absent, "neither drove nor rated anything", &input.absent),
             input.drove,
             reasons(&input.left_out),
             input.analysed
@@ -103,6 +110,14 @@ fn count(left: &[(String, usize)]) -> usize {
     left.iter().map(|(_, n)| n).sum()
 }
 
+/// How many did or were what, with why; nothing of nobody.
+fn if_any(n: usize, what: &str, left: &[(String, usize)]) -> String {
+    match n {
+        0 => String::new(),
+        n => format!("{n} {what}{}, ", reasons(left)),
+    }
+}
+
 fn reasons(left: &[(String, usize)]) -> String {
     let one = |(why, n): &(String, usize)| format!("{n}: {why}");
     let counts: Vec<String> = left.iter().map(one).collect();
@@ -131,18 +146,22 @@ fn steps(input: &Flow) -> Vec<Step> {
     let mut analysed = vec![format!("Analysed: {}", input.analysed)];
     let outcomes = input.outcomes.iter();
     analysed.extend(outcomes.map(|(title, n)| format!("{title}: {n}")));
-    let held_back = count(&input.not_admitted);
-    let invited = (held_back > 0).then(|| Step {
+    let not_recruited = count(&input.not_admitted) + input.not_agreed;
+    let mut before = listed("Not admitted", &input.not_admitted);
+    if input.not_agreed > 0 {
+        before.push(format!("Did not agree: {}", input.not_agreed));
+    }
+    let invited = (not_recruited > 0).then(|| Step {
         lines: vec![format!(
             "Asked to take part: {}",
-            input.recruited + held_back
+            input.recruited + not_recruited
         )],
-        beside: listed("Not admitted", &input.not_admitted),
+        beside: before,
     });
     let others = [
         Step {
             lines: vec![format!("Recruited to be tested: {}", input.recruited)],
-            beside: Vec::new(),
+            beside: listed("Did not take part", &input.absent),
         },
         Step {
             lines: vec![format!("Drove or rated something: {}", input.drove)],
@@ -209,12 +228,11 @@ mod tests {
     fn input() -> Flow {
         Flow {
             not_admitted: vec![("about_you.age >= 18".into(), 3)],
+            not_agreed: 2,
             recruited: 24,
+            absent: vec![("no drive *at all*".into(), 1)],
             drove: 23,
-            left_out: vec![
-                ("withdrew consent".into(), 1),
-                ("no drive *at all*".into(), 1),
-            ],
+            left_out: vec![("withdrew consent".into(), 1)],
             analysed: 22,
             drives_left_out: vec![("drive shorter than 300 s".into(), 2)],
             outcomes: vec![("Trust".into(), 21)],
@@ -226,9 +244,11 @@ mod tests {
         let figure = flow(&input(), &Context::real()).unwrap();
         for said in [
             "24",
-            "Asked to take part: 27",
+            "Asked to take part: 29",
             "3: about_you.age",
-            "Left out: 2",
+            "Did not agree: 2",
+            "Did not take part: 1",
+            "Left out: 1",
             "withdrew consent",
             "Analysed: 22",
             "Trust: 21",
@@ -237,12 +257,15 @@ mod tests {
         }
         assert!(figure.alt.contains("1: withdrew consent"), "{}", figure.alt);
         assert!(figure.alt.starts_with("3 not admitted"), "{}", figure.alt);
+        assert!(figure.alt.contains("2 did not agree, 24"), "{}", figure.alt);
         let everybody = Flow {
             not_admitted: Vec::new(),
+            not_agreed: 0,
             ..input()
         };
         let figure = flow(&everybody, &Context::real()).unwrap();
         assert!(!figure.svg.contains("Asked"), "nobody was screened");
+        assert!(figure.alt.starts_with("24 recruited"), "{}", figure.alt);
     }
 
     #[test]
@@ -255,7 +278,11 @@ mod tests {
         assert_eq!(width(&input()), "180");
         let everybody = Flow {
             not_admitted: Vec::new(),
+            not_agreed: 0,
+            absent: Vec::new(),
+            drove: 24,
             left_out: Vec::new(),
+            analysed: 24,
             drives_left_out: Vec::new(),
             ..input()
         };
@@ -263,10 +290,20 @@ mod tests {
     }
 
     #[test]
-    fn more_analysed_than_recruited_is_refused() {
-        let mut input = input();
-        input.analysed = 25;
-        let refused = flow(&input, &Context::real());
-        assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
+    fn what_does_not_add_up_at_a_step_is_refused() {
+        let numbers = |recruited, drove, analysed| {
+            let input = Flow {
+                recruited,
+                drove,
+                analysed,
+                ..input()
+            };
+            flow(&input, &Context::real())
+        };
+        assert!(numbers(24, 23, 22).is_ok());
+        for counts in [[24, 23, 25], [24, 23, 21], [24, 24, 23], [22, 23, 22]] {
+            let refused = numbers(counts[0], counts[1], counts[2]);
+            assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Many contrasts under each other: estimates with their intervals.
 
 use super::prelude::*;
+use crate::apa::decimals;
 
 /// Contrasts or coefficients, from top to bottom.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,7 +49,8 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
     )?;
     check.at_least(1, "estimates", values().count())?;
     let estimates = input.rows.iter().filter_map(|row| {
-        let [value, low, high] = row.estimate?.map(|v| number(v, 2));
+        let ends = row.estimate?;
+        let [value, low, high] = ends.map(|v| number(v, decimals(ends[2] - ends[1])));
         Some(format!("{} {value} [{low}, {high}]", row.name))
     });
     let bounds = if input.bounds.is_some() {
@@ -125,6 +127,9 @@ mod tests {
         };
         let figure = forest(&input, &Context::real()).unwrap();
         assert!(figure.svg.contains("a|c") && figure.alt == "a|b 0.50 [0.10, 0.90]");
+        input.rows[0].estimate = Some([0.004, 0.001, 0.007]);
+        let figure = forest(&input, &Context::real()).unwrap();
+        assert_eq!(figure.alt, "a|b 0.0040 [0.0010, 0.0070]");
         input.rows.remove(0);
         assert!(matches!(
             forest(&input, &Context::real()),

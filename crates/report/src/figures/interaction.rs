@@ -3,6 +3,7 @@
 use super::names::shortened;
 use super::prelude::*;
 use super::theme::nth_look;
+use crate::apa::decimals;
 
 /// Panels of one or more outcomes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -123,7 +124,10 @@ fn caption(input: &Interaction) -> String {
 fn told_of(panel: &InteractionPanel) -> String {
     let line = |line: &InteractionLine| {
         let means = panel.levels.iter().zip(&line.means);
-        let means = means.filter_map(|(level, m)| Some(format!("{level} {}", number((*m)?[0], 2))));
+        let means = means.filter_map(|(level, mean)| {
+            let [mean, low, high] = (*mean)?;
+            Some(format!("{level} {}", number(mean, decimals(high - low))))
+        });
         format!("{}: {}", line.name, means.collect::<Vec<_>>().join(", "))
     };
     let lines: Vec<String> = panel.lines.iter().map(line).collect();
@@ -293,6 +297,17 @@ mod tests {
         free.panels[0].range = None;
         let free = interaction(&free, &Context::real()).unwrap();
         assert!(free.svg != whole.svg && !says(&free));
+    }
+
+    #[test]
+    fn means_in_words_have_as_many_decimals_as_their_intervals_need() {
+        let mut small = input();
+        let lines = small.panels[0].lines.iter_mut();
+        for mean in lines.flat_map(|line| &mut line.means).flatten() {
+            *mean = mean.map(|end| 0.002 * end);
+        }
+        let said = told_of(&small.panels[0]);
+        assert!(said.contains("calm: free 0.0060, dense 0.0080"), "{said}");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::names::{on_two_lines, shortened};
 use super::page::points_from_mm;
 use super::prelude::*;
 use super::style;
+use crate::apa::decimals;
 use maveric_stats::Proportion;
 
 /// Estimates under each other on one axis.
@@ -61,9 +62,11 @@ impl IntervalRow {
     }
 
     fn words(&self) -> Option<String> {
-        let estimate = number(self.estimate?, 2);
+        let width = self.interval.map_or(0.0, |(low, high)| high - low);
+        let written = |value| number(value, decimals(width));
+        let estimate = written(self.estimate?);
         let ends = self.interval.map_or_else(String::new, |(low, high)| {
-            format!(" [{}, {}]", number(low, 2), number(high, 2))
+            format!(" [{}, {}]", written(low), written(high))
         });
         Some(format!("{} {estimate}{ends}", self.label))
     }
@@ -238,6 +241,17 @@ mod tests {
         assert!(figure.svg.contains('…') && figure.svg.contains("Mean velocity"));
         assert_eq!(figure.alt, "Mean velocity 0.40 [0.10, 0.70]");
         assert!(figure.caption.contains("Grey bar") && !figure.caption.contains("Ring"));
+    }
+
+    #[test]
+    fn what_is_small_is_no_zero_in_the_words_of_a_figure() {
+        let row = |interval| IntervalRow::new("Glances", Some(-0.003_97), interval);
+        let said = |interval| row(interval).words().unwrap();
+        assert_eq!(
+            said(Some((-0.0057, -0.0023))),
+            "Glances −0.0040 [−0.0057, −0.0023]"
+        );
+        assert_eq!(said(Some((-0.2, 0.2))), "Glances 0.00 [−0.20, 0.20]");
     }
 
     #[test]

@@ -90,8 +90,13 @@ fn bar(
     panel.line(ends.map(|x| (x, share)), Pen::new(colour, stroke::STRONG));
     panel.line([(middle, low), (middle, high)], Pen::new(INK, stroke::BOX));
     let (x, y) = panel.frame.at(middle, high);
-    let (label, look) = (number(share, 0), Look::new(size::SMALL).middle());
-    panel.canvas.text(&format!("{label}%"), (x, y - 2.5), look);
+    let look = Look::new(size::SMALL).middle();
+    panel.canvas.text(&whole_percent(share), (x, y - 2.5), look);
+}
+
+/// A share in per cent without decimals; a half goes up, as readers round the one decimal of the table beside it.
+fn whole_percent(share: f64) -> String {
+    format!("{}%", number(share.round(), 0))
 }
 
 impl ScalePreference {
@@ -100,7 +105,11 @@ impl ScalePreference {
         let share = |&above: &usize| {
             let ends = proportion(above, self.n, 0.95);
             let (low, high) = ends.map_or((0.0, 1.0), |share| (share.low, share.high));
-            [above as f64 / self.n as f64, low, high].map(|share| 100.0 * share)
+            [
+                100.0 * above as f64 / self.n as f64,
+                100.0 * low,
+                100.0 * high,
+            ]
         };
         self.above.iter().map(share).collect()
     }
@@ -115,7 +124,7 @@ fn plan(input: &Preferences, own: &ConditionLook, others: &[ConditionLook]) -> P
     let words = |scale: &ScalePreference| {
         let shares = others.iter().zip(scale.percent());
         let shares =
-            shares.map(|(look, [share, ..])| format!("{}% {}", number(share, 0), look.label));
+            shares.map(|(look, [share, ..])| format!("{} {}", whole_percent(share), look.label));
         let shares = shares.collect::<Vec<_>>().join(" and ");
         format!("{}: {shares} rated better than {}.", scale.scale, own.label)
     };
@@ -140,6 +149,19 @@ fn plan(input: &Preferences, own: &ConditionLook, others: &[ConditionLook]) -> P
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn half_a_percent_goes_up() {
+        let scale = |above: usize, n: usize| ScalePreference {
+            scale: "Trust".into(),
+            n,
+            less_is_better: false,
+            above: vec![above],
+        };
+        let label = |above, n| whole_percent(scale(above, n).percent()[0][0]);
+        assert_eq!([label(3, 24), label(29, 200)], ["13%", "15%"]);
+        assert_eq!([label(2, 24), label(0, 24)], ["8%", "0%"]);
+    }
 
     #[test]
     fn more_above_than_there_are_people_is_refused() {

@@ -236,6 +236,8 @@ export class Browser implements Keeper {
     if (kept.ended === "deleted") return [];
     const { post } = await this.study;
     if (kept.ended === "not admitted" && !post) return [];
+    // Who left before they gave anything has nothing to hand over.
+    if (kept.ended === "left" && kept.sheets.length === 0 && kept.drives.length === 0) return [];
     const file = await this.file();
     const save = make("a", [say("save_file")], {
       href: URL.createObjectURL(new Blob([file], { type: "application/jsonl" })), download: `maveric-seat-${token.slice(0, 8)}.jsonl`, className: "button",

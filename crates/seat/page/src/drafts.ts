@@ -1,7 +1,7 @@
-// Answers of a questionnaire that was not sent yet: a reload does not lose them.
+// Answers of a questionnaire that was not sent yet, and the time on it: a reload does not lose them.
 
 import { token } from "./api";
-import type { Given } from "./sheet";
+import type { Draft } from "./sheet";
 
 const NAME = "maveric-seat-draft";
 const name = (step: number): string => `${NAME} ${token} ${step}`;
@@ -11,14 +11,19 @@ function trying<T>(work: () => T): T | null {
   try { return work(); } catch { return null; }
 }
 
-/// What was answered of a step before, item by item: a number, words, or null.
-export function draft(step: number): Given[] {
-  const kept = trying(() => JSON.parse(localStorage.getItem(name(step)) ?? "[]") as unknown);
-  return Array.isArray(kept) ? kept.map((a) => (typeof a === "number" || typeof a === "string" ? a : null)) : [];
+/// What was done of a step before.
+export function draft(step: number): Draft {
+  const kept = trying(() => JSON.parse(localStorage.getItem(name(step)) ?? "null") as unknown);
+  // An older page kept the answers alone.
+  const { given, seconds } = (Array.isArray(kept) ? { given: kept } : kept ?? {}) as { given?: unknown; seconds?: unknown };
+  return {
+    given: Array.isArray(given) ? given.map((a) => (typeof a === "number" || typeof a === "string" ? a : null)) : [],
+    seconds: typeof seconds === "number" ? seconds : 0,
+  };
 }
 
-export function keepDraft(step: number, given: Given[]): void {
-  trying(() => localStorage.setItem(name(step), JSON.stringify(given)));
+export function keepDraft(step: number, draft: Draft): void {
+  trying(() => localStorage.setItem(name(step), JSON.stringify(draft)));
 }
 
 export function deleteDraft(step: number): void { trying(() => localStorage.removeItem(name(step))); }

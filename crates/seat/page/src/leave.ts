@@ -18,7 +18,7 @@ function ask(title: string, words: string[], choices: Choice[], stays: string): 
     return button;
   });
   const dialog = make("dialog", [
-    make("h1", [title]), ...words.map((w) => make("p", [w])), ...[...buttons, stay].map((b) => make("p", [b])), problem,
+    make("h1", [title], { id: "asked" }), ...words.map((w) => make("p", [w])), ...[...buttons, stay].map((b) => make("p", [b])), problem,
   ]);
   const leave = async (keep: boolean): Promise<void> => {
     for (const b of buttons) b.disabled = true;
@@ -31,8 +31,13 @@ function ask(title: string, words: string[], choices: Choice[], stays: string): 
   };
   stay.addEventListener("click", () => dialog.close());
   dialog.addEventListener("close", () => dialog.remove());
+  dialog.setAttribute("aria-labelledby", "asked");
+  // A key that is held since it opened the dialog answers nothing.
+  dialog.addEventListener("keydown", (event) => { if (event.repeat && event.key === "Enter") event.preventDefault(); });
   document.body.append(dialog);
   dialog.showModal();
+  // Pressed once more by mistake, the key leaves everything as it is.
+  stay.focus();
 }
 
 /// Leaving stops at once; the person says what becomes of what was recorded.

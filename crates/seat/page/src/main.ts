@@ -116,7 +116,7 @@ function told(state: api.State, step: api.Step & { kind: "practice" | "drive" | 
 async function screens(at: number, step: api.Step & { kind: "screen" }): Promise<void> {
   const begun = performance.now();
   const given: (number | null)[][] = [];
-  for (const asked of step.sheets) given.push((await sheet(asked, [], () => {})).answers);
+  for (const asked of step.sheets) given.push((await sheet(asked)).answers);
   const broken = step.rules.findIndex((rule) => !holds(given[rule.sheet]?.[rule.item] ?? null, rule.than, rule.value));
   await keeper.judged(at, broken < 0 ? null : broken, (performance.now() - begun) / 1000);
 }
@@ -148,7 +148,7 @@ async function caresFor(at: number, body: string, again: Probe): Promise<void> {
   const instruction = [body, again.instruction ?? ""].join("\n\n");
   // Somebody who does not look at the page hears that it asks now.
   asked.textContent = stayed ? titleOf(again.question) : "";
-  const answers = stayed ? (await sheet({ title, instruction, items: [again.question] }, [], () => {})).answers : [null];
+  const answers = stayed ? (await sheet({ title, instruction, items: [again.question] })).answers : [null];
   asked.remove();
   if (answers[0] === null) await keeper.done(at); else await keeper.answer(at, { answers, seconds: (performance.now() - begun) / 1000 });
 }
@@ -195,7 +195,7 @@ async function once(state: api.State): Promise<boolean> {
       break;
     }
     case "scale":
-      await keeper.answer(state.at, await sheet(step, draft(state.at), (given) => keepDraft(state.at, given)));
+      await keeper.answer(state.at, await sheet(step, draft(state.at), (now) => keepDraft(state.at, now)));
       deleteDraft(state.at);
       break;
     case "break": await rests(state.at, step.at_least_s); break;

@@ -1,4 +1,4 @@
-// A question of one item that comes again and again during a ride, answered by a button or a digit.
+// A question of one item that comes again and again during a ride, answered by a button or by the digits of its number.
 
 import type { Than } from "./api";
 import { say } from "./say";
@@ -26,12 +26,18 @@ export function holds(answer: number | null, than: Than, value: number): boolean
 /// Whether nobody goes on after this answer.
 const stops = ({ stop }: Probe, answer: number | null): boolean => stop !== undefined && holds(answer, stop.than, stop.value);
 
-/// Whether the digit of this answer is its key: between two words no numbers are shown.
-const hasKey = (item: Item, value: number): boolean => item.pair === null && value >= 0 && value <= 9;
+/// After a digit with which a longer number begins, too, so long is waited for the next one, in ms.
+const NEXT_DIGIT_MS = 800;
+
+/// The answers that can be typed, as they are: between two words no numbers are shown.
+const typable = (item: Item): string[] => (item.pair === null ? values(item).filter((value) => value >= 0).map(String) : []);
 
 export class Asking {
   private asked = 0;
   private open = false;
+  /// The digits so far, and what waits for the next one.
+  private typed = "";
+  private waiting: ReturnType<typeof setTimeout> | undefined;
 
   /// `note` writes an answer down, null where none came in time; `stop` ends the ride.
   constructor(
@@ -42,6 +48,7 @@ export class Asking {
   /// Asks when it is time, and takes a question back that was not answered in time.
   tick(seconds: number): void {
     const { every_s: every, within_s: within } = this.probe;
+    // What is half typed then may be the beginning of a longer number: nobody knows the answer.
     if (this.open && seconds >= this.asked * every + within) this.answer(null);
     if (Math.floor(seconds / every) > this.asked) { this.asked = Math.floor(seconds / every); this.ask(); }
   }
@@ -54,7 +61,7 @@ export class Asking {
       ...(instruction ? [make("p", [instruction])] : []),
       make("p", [titleOf(question)], { id: "question", className: question.text ? "" : "unseen" }),
       make("div", [...beside(left), ...all.map((value, at) => this.button(value, at, at === all.length - 1)), ...beside(right)]),
-      ...(all.some((value) => hasKey(question, value)) ? [make("p", [say("probe_help")])] : []),
+      ...(typable(question).length > 0 ? [make("p", [say("probe_help")])] : []),
     );
     this.place.hidden = false;
     this.open = true;
@@ -73,11 +80,25 @@ export class Asking {
     return button;
   }
 
-  /// A digit answers while something is asked.
+  /// Digits answer while something is asked: at once, or after a moment where a longer number begins with them, too (`1` of `10`), unless the
+  /// last is pressed once more.
   press(code: string): void {
     const digit = /^(?:Digit|Numpad)(\d)$/.exec(code)?.[1];
-    const value = Number(digit), { question } = this.probe;
-    if (this.open && hasKey(question, value) && values(question).includes(value)) this.answer(value);
+    if (!this.open || digit === undefined) return;
+    const numbers = typable(this.probe.question), both = this.typed + digit;
+    const begins = (digits: string): boolean => numbers.some((number) => number.startsWith(digits));
+    const meant = digit === this.typed && !begins(both);
+    this.typed = begins(both) ? both : digit;
+    const longer = numbers.some((number) => number !== this.typed && number.startsWith(this.typed));
+    clearTimeout(this.waiting);
+    if (longer && !meant) this.waiting = setTimeout(() => this.settle(), NEXT_DIGIT_MS); else this.settle();
+  }
+
+  /// Answers by what was typed so far, if that is a number of the item.
+  private settle(): void {
+    const typed = this.typed;
+    this.typed = "";
+    if (typable(this.probe.question).includes(typed)) this.answer(Number(typed));
   }
 
   private answer(value: number | null): void {
@@ -88,6 +109,8 @@ export class Asking {
 
   close(): void {
     this.open = false;
+    this.typed = "";
+    clearTimeout(this.waiting);
     this.place.hidden = true;
     this.place.replaceChildren();
   }

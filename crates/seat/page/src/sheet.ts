@@ -16,6 +16,11 @@ export interface Asked { title: string | null; instruction: string | null; items
 /// The answer to an item: a number, words, or none.
 export type Given = number | string | null;
 
+/// What was answered of a sheet so far, and for how long it was open, in s.
+export interface Draft { given: Given[]; seconds: number }
+
+const NOTHING: Draft = { given: [], seconds: 0 };
+
 /// What stands in an item's place, and what was answered there; `wrong` is a sentence on what is no answer.
 interface Field { body: HTMLElement; given: () => Given; wrong?: () => string | null }
 
@@ -23,6 +28,10 @@ interface Field { body: HTMLElement; given: () => Given; wrong?: () => string | 
 const LONGEST = 4000;
 /// A slider with more steps has no marks.
 const MOST_MARKS = 41;
+/// As many boxes stand in one row, also on a phone, so that the words of both ends stand under theirs.
+const MOST_IN_A_ROW = 21;
+/// A sheet that is open is kept so often, in ms.
+const KEPT_EVERY_MS = 1000;
 
 /// Every answer of an item, from the lowest.
 export const values = (item: Item): number[] => Array.from({ length: (item.max - item.min) / item.step + 1 }, (_, i) => item.min + i * item.step);
@@ -66,7 +75,8 @@ function radios(body: HTMLElement): Field {
 /// Boxes in a row, with their words under them.
 function likert(item: Item, name: string, before: Given): Field {
   const boxes = values(item).map((value, at) => radio(name, value, before, wordsOf(item, at) || String(value), heard(item, at)));
-  const points = make("div", boxes, { className: worded(item) ? "points worded" : "points" });
+  const look = worded(item) ? "points worded" : boxes.length > MOST_IN_A_ROW ? "points many" : "points";
+  const points = make("div", boxes, { className: look });
   const ends = endsOf(item);
   return radios(make("div", [points, ...(ends.length > 0 ? [under(ends)] : [])], { className: "field" }));
 }
@@ -152,13 +162,16 @@ function words(item: Item, _: string, before: Given): Field {
 
 const KINDS = { likert, bipolar, slider, ladder: lines, choice: lines, number, text: words };
 
-/// Asks one scale, `before` already answered; a missing answer is asked for once, then taken as left out. `changed` gets every change.
+/// Asks one scale, which goes on from `before`; a missing answer is asked for once, then taken as left out. `keep` gets every change, and
+/// now and then the time.
 export async function sheet(
-  scale: Asked, before: Given[], changed: (given: Given[]) => void,
+  scale: Asked, before: Draft = NOTHING, keep: (draft: Draft) => void = () => {},
 ): Promise<{ answers: (number | null)[]; texts: Record<string, string>; seconds: number }> {
   const begun = performance.now();
+  // A sheet that was left open for eleven days can still be sent.
+  const seconds = (): number => Math.min(before.seconds + (performance.now() - begun) / 1000, 999_999);
   const { items } = scale;
-  const fields = items.map((item, at) => KINDS[item.kind](item, `item${at}`, before[at] ?? null));
+  const fields = items.map((item, at) => KINDS[item.kind](item, `item${at}`, before.given[at] ?? null));
   const sets = items.map((item, at) => {
     const numbered = items.length > 1 ? `${at + 1}. ` : "";
     const { body } = fields[at] as Field;
@@ -178,7 +191,9 @@ export async function sheet(
   const range = bare ? [make("p", [say("answers_range", { min: bare.min, max: bare.max })])] : [];
   show(heading, ...paragraphs(scale.instruction ?? ""), ...range, form);
   const given = (): Given[] => fields.map((field) => field.given());
-  form.addEventListener("change", () => changed(given()));
+  const keepNow = (): void => keep({ given: given(), seconds: seconds() });
+  for (const kind of ["change", "input"]) form.addEventListener(kind, keepNow);
+  const keeping = setInterval(keepNow, KEPT_EVERY_MS);
   let asked = false;
   return new Promise((resolve) => form.addEventListener("submit", (event) => {
     event.preventDefault();
@@ -186,7 +201,9 @@ export async function sheet(
     const stop = (marked: number[], sentence: string): void => {
       sets.forEach((set, at) => set.classList.toggle("missing", marked.includes(at)));
       said.textContent = sentence;
-      sets[marked[0] as number]?.querySelector<HTMLElement>("input, textarea")?.focus();
+      const first = sets[marked[0] as number];
+      first?.querySelector<HTMLElement>("input, textarea")?.focus({ preventScroll: true });
+      first?.scrollIntoView({ block: "nearest" });
     };
     const wrong = fields.findIndex((field) => field.wrong?.());
     if (wrong >= 0) { stop([wrong], say("no_answer", { item: wrong + 1, range: fields[wrong]?.wrong?.() ?? "" })); return; }
@@ -197,7 +214,8 @@ export async function sheet(
       return;
     }
     button.disabled = true;
+    clearInterval(keeping);
     const texts = Object.fromEntries(all.flatMap((answer, at) => (typeof answer === "string" ? [[String(at + 1), answer]] : [])));
-    resolve({ answers: all.map((answer) => (typeof answer === "number" ? answer : null)), texts, seconds: (performance.now() - begun) / 1000 });
+    resolve({ answers: all.map((answer) => (typeof answer === "number" ? answer : null)), texts, seconds: seconds() });
   }));
 }

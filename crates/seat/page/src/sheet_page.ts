@@ -4,7 +4,7 @@ import { sheet, type Asked } from "./sheet";
 
 const asked = JSON.parse(document.getElementById("sheet")?.textContent ?? "null") as Asked;
 async function again(): Promise<void> {
-  await sheet(asked, [], () => {});
+  await sheet(asked);
   return again();
 }
 void again();

@@ -15,7 +15,8 @@ export function make<K extends keyof HTMLElementTagNameMap>(
 export function show(...children: (Node | string)[]): void {
   main.replaceChildren(...children);
   scrollTo(0, 0);
-  main.focus();
+  // Scrolled to by the focus, the first lines would stand behind the header.
+  main.focus({ preventScroll: true });
 }
 
 /// Paragraphs divided by empty lines; `#` heads one, `-` begins a point.

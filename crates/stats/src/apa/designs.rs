@@ -4,7 +4,7 @@ use super::{
     F, Statement, Statements, bounded, chi2, degrees, f, number, of_n, p_symbol,
     parts::ranks,
     probability,
-    results::{of_each, says_itself, those},
+    results::{corrected_f, of_each, says_itself, those},
     t,
 };
 use crate::{
@@ -29,20 +29,19 @@ says_itself!(
 impl Factorial {
     /// An effect, corrected for a lack of sphericity where its within part has more than one degree of freedom.
     fn effect(&self, name: &str, effect: &FactorialEffect) -> Option<Statement> {
-        let sphericity = self.sphericity.get(name);
-        let corrected = sphericity.map(|s| (s.correction(), s.corrected(s.correction(), effect.p)));
-        let (epsilon, p) = corrected.map_or((None, effect.p), |(_, corrected)| corrected);
-        let times = epsilon.unwrap_or(1.0);
-        Some(f(&F {
+        let uncorrected = F {
             f: effect.f?,
-            df_effect: effect.df1 as f64 * times,
-            df_error: effect.df2 as f64 * times,
-            p: p?,
+            df_effect: effect.df1 as f64,
+            df_error: effect.df2 as f64,
+            p: effect.p?,
             eta2_partial: effect.eta2_partial,
             eta2_partial_ci90: effect.eta2_partial_ci90,
-            epsilon: epsilon
-                .filter(|_| corrected.is_some_and(|(c, _)| c != SphericityCorrection::None)),
-        }))
+            epsilon: None,
+        };
+        match self.sphericity.get(name) {
+            Some(sphericity) => corrected_f(uncorrected, sphericity),
+            None => Some(f(&uncorrected)),
+        }
     }
 }
 
@@ -95,16 +94,19 @@ impl Statements for GroupsAnalysis {
             Some(statement.and("*ε*^{2}", &bounded(test.epsilon2?, 2)))
         };
         let mut statements = those([("welch_anova", welch()), ("kruskal", ranks())]);
+        // Of the studentised range, not of this t.
         statements.extend(of_each(&several.games_howell, |_, pair| {
-            Some(t(pair.t?, pair.df?, pair.p?, Adjustment::None, None))
+            let statement = Statement::with_df("*t*", &[pair.df?], pair.t?);
+            Some(statement.p_named("*p*_{Games-Howell}", pair.p?))
         }));
         statements
     }
 }
 
-/// `t(23) = 2.41, p = .012, 90% CI [−0.20, 0.11]`: the larger of both one-sided tests.
+/// `t(23) = 2.41, p = .012, 90% CI [−0.20, 0.11]`: the larger of both one-sided tests; of several pairs `p_Holm`.
 impl Statements for Equivalence {
     fn statements(&self) -> Vec<(String, Statement)> {
+        let adjusted = self.adjusted();
         of_each(&self.tost, |_, test| {
             let (lower, upper) = (test.t_lower?, test.t_upper?);
             let weaker = if lower.abs() < upper.abs() {
@@ -112,8 +114,8 @@ impl Statements for Equivalence {
             } else {
                 upper
             };
-            let statement = t(weaker, test.df as f64, test.p?, Adjustment::None, None);
-            Some(statement.ci(0.9, test.ci90, number))
+            let statement = t(weaker, test.df as f64, test.p_holm?, adjusted, None);
+            Some(statement.ci_of_values(0.9, test.ci90))
         })
     }
 }
@@ -203,7 +205,10 @@ impl Statements for McNemar {
 impl Statements for CochranQ {
     fn statements(&self) -> Vec<(String, Statement)> {
         let test = &self.cochran_q;
-        let omnibus = || Some(of_n("*Q*", test.q?, [test.df?, self.n], test.p?, test.w));
+        let omnibus = || {
+            let p = (p_symbol(Adjustment::None), test.p?);
+            Some(of_n("*Q*", test.q?, [test.df?, self.n], p, test.w))
+        };
         let mut statements = those([("cochran_q", omnibus())]);
         statements.extend(of_each(&self.pairs, |_, pair| {
             Some(pair.test.statement(pair.p_holm?, Adjustment::Holm))

@@ -2,10 +2,12 @@
 
 use std::fmt;
 
-use super::{F, Statement, bounded, chi2, f, number, r, r_rm, rho, t, wilcoxon};
+use super::{
+    F, Statement, bounded, f, number, of_n, of_values, p_symbol, r, r_rm, rho, t, wilcoxon,
+};
 use crate::{
     Adjustment, AlphaAnalysis, Bootstrap, Comparison, Correlation, Friedman, FriedmanAnalysis,
-    Interval, Levene, Mauchly, Named, Normality, Omnibus, OmnibusTest, Posthoc, PosthocPair,
+    Interval, Levene, Named, Normality, Omnibus, OmnibusP, OmnibusTest, Posthoc, PosthocPair,
     PosthocTest, RmAnova, RmAnovaAnalysis, RmCorrelationAnalysis, Sphericity, SphericityCorrection,
     VarianceTests, WithinAnalysis,
 };
@@ -73,41 +75,62 @@ pub(super) fn of_each<T>(
     results.iter().filter_map(named).collect()
 }
 
-/// Level at which Mauchly's test asks for a correction.
-const ALPHA: f64 = 0.05;
-
-/// F, corrected after Greenhouse and Geisser where Mauchly's test rejects sphericity.
-fn of_anova(anova: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> Option<Statement> {
-    let corrected = mauchly.p.is_none_or(|p| p < ALPHA) && anova.df1 > 1;
-    let epsilon = if corrected { sphericity.gg } else { None };
+/// F with degrees of freedom and p as a lack of sphericity asks for, whatever Mauchly's test says.
+pub(super) fn corrected_f(uncorrected: F, sphericity: &Sphericity) -> Option<Statement> {
+    let correction = sphericity.correction();
+    let (epsilon, p) = sphericity.corrected(correction, Some(uncorrected.p));
+    let epsilon = epsilon?;
     Some(f(&F {
-        f: anova.f?,
-        df_effect: anova.df1 as f64 * epsilon.unwrap_or(1.0),
-        df_error: anova.df2 as f64 * epsilon.unwrap_or(1.0),
-        p: if epsilon.is_some() {
-            sphericity.p_gg?
-        } else {
-            anova.p?
-        },
-        eta2_partial: anova.eta2_partial,
-        eta2_partial_ci90: anova.eta2_partial_ci90,
-        epsilon,
+        df_effect: uncorrected.df_effect * epsilon,
+        df_error: uncorrected.df_error * epsilon,
+        p: p?,
+        epsilon: (correction != SphericityCorrection::None).then_some(epsilon),
+        ..uncorrected
     }))
 }
 
+fn of_anova(anova: &RmAnova, sphericity: &Sphericity) -> Option<Statement> {
+    let uncorrected = F {
+        f: anova.f?,
+        df_effect: anova.df1 as f64,
+        df_error: anova.df2 as f64,
+        p: anova.p?,
+        eta2_partial: anova.eta2_partial,
+        eta2_partial_ci90: anova.eta2_partial_ci90,
+        epsilon: None,
+    };
+    corrected_f(uncorrected, sphericity)
+}
+
 fn of_friedman(friedman: &Friedman, n: usize) -> Option<Statement> {
-    Some(chi2(
+    let (p, method) = friedman.reported_p();
+    let df = [friedman.df?, n];
+    Some(friedman_of(
         friedman.chi2?,
-        friedman.df?,
-        n,
-        friedman.p?,
+        df,
+        (p?, method),
         friedman.kendall_w,
     ))
 }
 
+/// `χ²(3, N = 24) = 41.19, p_exact < .001, W = .57`: p has the name of what it is, unless it is that of χ².
+fn friedman_of(
+    statistic: f64,
+    df_and_n: [usize; 2],
+    (p, method): (f64, OmnibusP),
+    w: Option<f64>,
+) -> Statement {
+    let symbol = match method {
+        OmnibusP::Exact => "*p*_{exact}",
+        OmnibusP::ImanDavenport => "*p*_{Iman-Davenport}",
+        _ => p_symbol(Adjustment::None),
+    };
+    of_n("*χ*^{2}", statistic, df_and_n, (symbol, p), w)
+}
+
 impl Statements for RmAnovaAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let statement = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
+        let statement = of_anova(&self.rm_anova, &self.sphericity);
         those([("rm_anova", statement)])
     }
 }
@@ -120,7 +143,7 @@ impl Statements for FriedmanAnalysis {
 
 impl Statements for WithinAnalysis {
     fn statements(&self) -> Vec<(String, Statement)> {
-        let anova = of_anova(&self.rm_anova, &self.mauchly, &self.sphericity);
+        let anova = of_anova(&self.rm_anova, &self.sphericity);
         let friedman = of_friedman(&self.friedman, self.n);
         let mut statements = those([("rm_anova", anova), ("friedman", friedman)]);
         statements.extend(of_each(&self.paired, |_, pair| {
@@ -159,7 +182,8 @@ impl Omnibus {
             return Some(t(statistic, df1, p, Adjustment::None, dz));
         }
         if self.test == OmnibusTest::Friedman {
-            return Some(chi2(statistic, df1.round() as usize, n, p, effect.value));
+            let df = [df1.round() as usize, n];
+            return Some(friedman_of(statistic, df, (p, self.p_method), effect.value));
         }
         let corrected = self.correction != SphericityCorrection::None;
         Some(f(&F {
@@ -290,7 +314,8 @@ impl Statements for Bootstrap {
         let (level, estimate) = (self.settings.confidence, self.estimate);
         let statement = |ci: Interval| {
             ci.ends()?;
-            Some(Statement(format!("estimate {}", number(estimate?, 2))).ci(level, ci, number))
+            let estimate = of_values(estimate?, ci);
+            Some(Statement(format!("estimate {estimate}")).ci_of_values(level, ci))
         };
         those([
             ("bca", statement(self.bca)),
@@ -301,7 +326,16 @@ impl Statements for Bootstrap {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Adjustment, PosthocTest, WithinSubjects, compare, posthoc, rm_anova};
+    use crate::{
+        Adjustment, PosthocTest, WithinSubjects, compare, compare_without_exact, friedman, groups,
+        posthoc, rm_anova,
+    };
+
+    fn rows_of<const K: usize>(rows: &[[f64; K]]) -> WithinSubjects {
+        let rows: Vec<Vec<f64>> = rows.iter().map(|row| row.to_vec()).collect();
+        let names: Vec<String> = (0..rows.len().max(K)).map(|i| i.to_string()).collect();
+        WithinSubjects::from_rows(&names[..K], &names[..rows.len()], &rows).unwrap()
+    }
 
     fn data() -> WithinSubjects {
         let rows = [
@@ -317,13 +351,89 @@ mod tests {
     #[test]
     fn a_single_finding_is_its_sentence_and_several_are_named() {
         let one = rm_anova(&data()).to_string();
-        assert!(one.starts_with("F(2, 6) = "), "{one}");
+        assert!(one.starts_with("F(1.29, 3.86) = "), "{one}");
         let all = compare(&data(), 0.05).unwrap().to_string();
         let lines: Vec<&str> = all.lines().collect();
         assert_eq!(lines.len(), 4);
         assert!(
             lines[0].starts_with("omnibus: F(") && lines[1].starts_with("a|b: t(3) = −"),
             "{all}"
+        );
+    }
+
+    #[test]
+    fn an_f_is_corrected_by_its_epsilon_whatever_mauchly_says() {
+        let data = rows_of(&[
+            [-1.79, -0.26, 1.11, 3.03],
+            [-1.66, 0.54, -0.75, 1.89],
+            [1.78, -0.06, -0.89, -1.27],
+            [0.45, 1.19, 0.27, -0.73],
+            [-1.44, 1.03, 0.29, 3.06],
+            [0.37, -0.21, 2.18, 2.81],
+            [-0.62, 1.16, -0.62, 0.12],
+            [-1.49, 2.84, 3.12, 2.52],
+            [-1.22, 0.58, -3.27, -0.12],
+            [-0.68, -0.19, 0.27, 0.73],
+        ]);
+        let anova = rm_anova(&data);
+        assert!(anova.mauchly.p.unwrap() > 0.05);
+        let sentence = anova.to_string();
+        assert!(
+            sentence.starts_with("F(2.14, 19.29) = 3.18, p = .061, ")
+                && sentence.ends_with(", ε = .71"),
+            "{sentence}"
+        );
+        let compared = compare(&data, 0.05).unwrap().to_string();
+        let first = format!("omnibus: {sentence}");
+        assert_eq!(compared.lines().next(), Some(first.as_str()));
+        // Huynh and Feldt's epsilon is 1.67 before it is cut.
+        let spherical = rows_of(&[
+            [3.0, 7.0, 7.0],
+            [1.0, 6.0, 9.0],
+            [3.0, 3.0, 8.0],
+            [5.0, 7.0, 10.0],
+            [2.0, 3.0, 10.0],
+            [6.0, 5.0, 8.0],
+        ]);
+        let sentence = rm_anova(&spherical).to_string();
+        assert!(
+            sentence.starts_with("F(2, 10) = ") && !sentence.contains('ε'),
+            "{sentence}"
+        );
+    }
+
+    #[test]
+    fn a_p_that_is_not_that_of_the_statistic_before_it_has_a_name_everywhere() {
+        let data = rows_of(&[
+            [0.03, 0.14, 149.59],
+            [0.0, 2.91, 0.02],
+            [27.18, 8.24, 1174.05],
+            [0.22, 14.8, 8.52],
+            [0.11, 6.93, 0.46],
+            [0.35, 36.21, 23.86],
+        ]);
+        let exact = "χ²(2, N = 6) = 6.33, p_exact = .052, W = .53";
+        assert_eq!(friedman(&data).to_string(), exact);
+        let compared = compare(&data, 0.05).unwrap().to_string();
+        assert!(
+            compared.starts_with(&format!("omnibus: {exact}\n")),
+            "{compared}"
+        );
+        let without = compare_without_exact(&data, 0.05).unwrap().to_string();
+        assert!(without.contains(", p_Iman-Davenport = "), "{without}");
+        let of_groups = |labels: &[&str]| {
+            let values: Vec<_> = [1.0, 3.0, 2.0, 4.0, 6.0, 5.5, 2.5, 7.0, 3.5]
+                .map(Some)
+                .to_vec();
+            let labels: Vec<String> = labels.iter().map(|l| (*l).to_owned()).collect();
+            groups(&labels, &values).unwrap().to_string()
+        };
+        let three = of_groups(&["a", "a", "a", "b", "b", "b", "c", "c", "c"]);
+        assert_eq!(three.matches(", p_Games-Howell ").count(), 3, "{three}");
+        let two = of_groups(&["a", "a", "a", "a", "b", "b", "b", "b", "b"]);
+        assert!(
+            two.contains("welch_t: t(") && !two.contains("Howell"),
+            "{two}"
         );
     }
 

@@ -127,11 +127,10 @@ impl Effects<'_> {
     fn regressions(&self) -> Result<Vec<Regressed>, StatsError> {
         let mut tests = Vec::new();
         for within in 0..1_usize << self.shape.within.len() {
-            let names = self.shape.multiplied(within);
             let of_stratum: Vec<SubjectCovariate> = self
                 .covariates
                 .iter()
-                .filter(|c| within == 0 || names.contains(&c.name))
+                .filter(|c| self.shape.has_covariate(within, c.name))
                 .cloned()
                 .collect();
             if !of_stratum.is_empty() {

@@ -31,6 +31,13 @@ pub(super) fn several(
     }
     let plan = DesignPlan::of(&shape);
     reasons.push(format!("{}; {words}", kinds(data)));
+    if choice.scale == OutcomeScale::Ordinal {
+        reasons.push(
+            "several factors or a covariate: ranks are of each subject's means and differences of the answers' numbers, and F, means and \
+             regressions are of these numbers; other numbers in the same order may give something else"
+                .to_owned(),
+        );
+    }
     for (effect, _) in &shape.covariates {
         let effect = data.called(effect);
         reasons.push(format!(

@@ -51,7 +51,8 @@ pub struct Chosen<T> {
 /// A factorial analysis, and the test that decides about each effect.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FactorialFinding {
-    /// Analysis of variance, means, contrasts and simple effects, without covariates.
+    /// The plain analysis of variance with its means, contrasts and simple effects, covariances pooled and without covariates. Those by the
+    /// tests that count are [`FollowUp`](super::FollowUp).
     #[serde(flatten)]
     pub anova: Factorial,
     /// Each effect's test, covariates last: these count.
@@ -66,10 +67,10 @@ pub struct MixedFinding {
     pub model: RandomIntercept,
     /// Terms with more than one degree of freedom within subjects, by Greenhouse and Geisser's ε of the complete subjects: these count.
     pub corrected: Named<CorrectedTerm>,
-    /// Each pair of the levels of one factor over its own error, where the model was asked for or takes the period and nobody lacks a
-    /// level: these count before those of the model.
+    /// The pairs of each term of factors over an error of their own each, cluster-robust with Bell and McCaffrey's degrees of freedom: these
+    /// count before those of the model, of two levels too. Without p where a pair has no such error; none where each subject has a single row.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
-    pub own_error: Named<MarginalContrast>,
+    pub own_error: Named<Named<MarginalContrast>>,
 }
 
 /// A term of a mixed model with its degrees of freedom times ε.
@@ -93,6 +94,13 @@ impl MixedFinding {
             None => self.model.anova.get(term)?.p,
         }
     }
+
+    /// The pairs of a term that count; none of an unknown term.
+    pub fn pairs(&self, term: &str) -> Named<MarginalContrast> {
+        let own_error = self.own_error.get(term);
+        let pairs = own_error.or_else(|| self.model.contrast.get(term));
+        pairs.cloned().unwrap_or_default()
+    }
 }
 
 /// An ordinal model, and the rank test of the same subjects beside it.
@@ -111,6 +119,10 @@ pub struct OrdinalFinding {
     /// the model leaves; empty without periods.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub contrast: Named<MarginalContrast>,
+    /// The likelihood ratio of every pair of conditions that has no finite difference, as where everybody gives the same extreme answer in
+    /// one of them, with the period taken out and held against F as the conditions are.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub ratio: Named<SmallSample>,
     /// The rank test of the complete subjects, as a check; `None` where too few are complete, or with periods, which ranks do not take out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside: Option<RankCheck>,

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     FactorialDesign, Formula, Named, Predictor, RandomIntercept, StatsError, TermTest, factorial,
-    factorial::check_between, numerics::distributions::f_upper, random_by_factor,
+    factorial::check_between, mixed::random_with_own_errors, numerics::distributions::f_upper,
     within_subjects::Index,
 };
 
@@ -116,7 +116,8 @@ pub(super) fn mixed(
         formula = formula.and_product(covariate, &factors)?;
     }
     let by: Vec<&str> = data.within.iter().map(|(name, _)| *name).collect();
-    let model = random_by_factor(data.subjects, &formula, &by, &predictors, data.values)?;
+    let (model, own_error) =
+        random_with_own_errors(data.subjects, &formula, &by, &predictors, data.values)?;
     let corrected = corrected(data, &model);
     if !corrected.is_empty() {
         reasons.push(
@@ -125,10 +126,16 @@ pub(super) fn mixed(
                 .to_owned(),
         );
     }
+    if !own_error.is_empty() {
+        reasons.push(
+            "each pair has an error of its own, over the spread of that difference between people"
+                .to_owned(),
+        );
+    }
     let finding = MixedFinding {
         model,
         corrected,
-        own_error: Named::default(),
+        own_error,
     };
     Ok(ByDesign::Mixed(Box::new(Chosen {
         chosen: ChosenTest::Mixed,

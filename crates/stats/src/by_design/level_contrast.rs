@@ -13,7 +13,7 @@ use crate::{
     numerics::{
         distributions::{t_quantile_two_sided, t_two_sided},
         matrix::Matrix,
-        moments::{centred, is_rounding, mean_and_square_sum},
+        moments::{centred, dot, is_rounding, mean_and_square_sum},
     },
     within,
 };
@@ -99,7 +99,11 @@ pub fn level_contrast(
         part = DesignTable::at_level(&part.columns(), factor, level);
     }
     let columns = part.columns();
-    let (design, _, covariates) = shaped(&columns)?;
+    let (design, shape, mut covariates) = shaped(&columns)?;
+    let inside = shape.within.iter().enumerate();
+    let inside = inside.filter(|(_, (name, _))| pair(name).is_some());
+    let inside = inside.fold(0, |mask, (f, _)| mask | 1 << f);
+    covariates.retain(|covariate| shape.has_covariate(inside, covariate.name));
     let (groups, cells) = level_weights(&design, &pair);
     let scores = Scores {
         design: &design,
@@ -117,11 +121,21 @@ pub fn level_contrast(
 }
 
 /// What the contrast is of each subject, and how the groups are weighted.
-struct Scores<'a> {
-    design: &'a FactorialDesign,
+pub(super) struct Scores<'a> {
+    pub(super) design: &'a FactorialDesign,
     /// Of each subject what the contrast adds, and what it takes away.
-    sides: Vec<[f64; 2]>,
-    weights: Vec<f64>,
+    pub(super) sides: Vec<[f64; 2]>,
+    pub(super) weights: Vec<f64>,
+}
+
+/// Least squares of subjects' scores.
+struct Fit {
+    estimate: f64,
+    /// By how much the estimate goes up with each subject's score.
+    shares: Vec<f64>,
+    /// What is left of each score.
+    left: Vec<f64>,
+    df: f64,
 }
 
 impl Scores<'_> {
@@ -181,7 +195,7 @@ impl Scores<'_> {
         }
     }
 
-    fn by_welch(&self, method: EffectMethod) -> LevelContrast {
+    pub(super) fn by_welch(&self, method: EffectMethod) -> LevelContrast {
         let (mut variance, mut below, mut alone) = (0.0, 0.0, false);
         for (group, weight) in self.weights.iter().enumerate() {
             let scores = self.of_group(group);
@@ -204,11 +218,34 @@ impl Scores<'_> {
     }
 
     /// Least squares on the groups and the covariates less their means.
-    fn by_regression(
+    pub(super) fn by_regression(
         &self,
         method: EffectMethod,
         covariates: &[SubjectCovariate],
     ) -> LevelContrast {
+        self.by_regressions(method, &[(self.of_people(), covariates.to_vec())])
+    }
+
+    /// The same of parts that add up to the subjects' scores, each on covariates of its own. The error is that of the sum: what one part
+    /// leaves goes with what another leaves of the same subject, over the degrees of freedom of the part that has the fewest.
+    pub(super) fn by_regressions(
+        &self,
+        method: EffectMethod,
+        parts: &[(Vec<f64>, Vec<SubjectCovariate>)],
+    ) -> LevelContrast {
+        let fits = parts.iter().map(|(scores, on)| self.regress(scores, on));
+        let Some(fits) = fits.collect::<Option<Vec<Fit>>>() else {
+            return self.plain(method);
+        };
+        let covariance = |a: &Fit, b: &Fit| dot(&a.shares, &b.shares) * dot(&a.left, &b.left);
+        let pairs = fits.iter().flat_map(|a| fits.iter().map(move |b| (a, b)));
+        let variance: f64 = pairs.map(|(a, b)| covariance(a, b)).sum();
+        let df = fits.iter().map(|fit| fit.df).fold(f64::INFINITY, f64::min);
+        let estimate = fits.iter().map(|fit| fit.estimate).sum();
+        self.by_t(method, estimate, (variance / df.max(1.0)).sqrt(), df)
+    }
+
+    fn regress(&self, scores: &[f64], covariates: &[SubjectCovariate]) -> Option<Fit> {
         let group = self.design.group();
         let (n, k) = (group.len(), self.weights.len());
         let covariates: Vec<Vec<f64>> = covariates.iter().map(|c| centred(&c.values)).collect();
@@ -217,21 +254,20 @@ impl Scores<'_> {
             Some(covariate) => covariates[covariate][i],
             None => f64::from(u8::from(group[i] == j)),
         });
-        let scores = self.of_people();
         let y = Matrix::from(n, 1, |i, _| scores[i]);
-        let Some(factor) = x.transposed_times(&x).cholesky() else {
-            return self.plain(method);
-        };
+        let factor = x.transposed_times(&x).cholesky()?;
         let fitted = factor.solve(&x.transposed_times(&y));
-        let residual =
-            |i: usize| scores[i] - (0..width).map(|j| x[(i, j)] * fitted[(j, 0)]).sum::<f64>();
-        let square: f64 = (0..n).map(|i| residual(i).powi(2)).sum();
         let weights = Matrix::from(width, 1, |j, _| self.weights.get(j).copied().unwrap_or(0.0));
-        let half = factor.half_solve(&weights);
-        let spread: f64 = (0..width).map(|j| half[(j, 0)].powi(2)).sum();
-        let df = n as f64 - width as f64;
-        let estimate = (0..k).map(|j| self.weights[j] * fitted[(j, 0)]).sum();
-        self.by_t(method, estimate, (square / df.max(1.0) * spread).sqrt(), df)
+        let of_columns = factor.solve(&weights);
+        let along = |i: usize, column: &Matrix| -> f64 {
+            (0..width).map(|j| x[(i, j)] * column[(j, 0)]).sum()
+        };
+        Some(Fit {
+            estimate: (0..k).map(|j| self.weights[j] * fitted[(j, 0)]).sum(),
+            shares: (0..n).map(|i| along(i, &of_columns)).collect(),
+            left: (0..n).map(|i| scores[i] - along(i, &fitted)).collect(),
+            df: n as f64 - width as f64,
+        })
     }
 
     fn by_signed_ranks(&self, method: EffectMethod) -> Result<LevelContrast, StatsError> {

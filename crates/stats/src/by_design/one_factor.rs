@@ -94,6 +94,7 @@ pub(super) fn one_factor(
                 model,
                 period: None,
                 contrast: Named::default(),
+                ratio: Named::default(),
                 beside,
             },
         })));

@@ -17,6 +17,9 @@ pub struct SimpleTest {
     pub at: String,
     /// The level at which it is held.
     pub level: String,
+    /// Subjects of that part who are in the test; whoever lacks a value elsewhere is among them.
+    #[serde(default)]
+    pub n: usize,
     /// The test; `None` where that part of the data has none.
     pub test: Option<EffectTest>,
     /// Why there is none.
@@ -47,11 +50,13 @@ pub fn simple_effects(
                 let part = DesignTable::at_level(data, at.0, level);
                 let test = test_of(&part.columns(), factor.0, normal);
                 let why_not = test.as_ref().err().map(ToString::to_string);
+                let (n, test) = test.ok().unzip();
                 family.push(SimpleTest {
                     factor: factor.0.to_owned(),
                     at: at.0.to_owned(),
                     level: level.clone(),
-                    test: test.ok(),
+                    n: n.unwrap_or(0),
+                    test,
                     why_not,
                     p_holm: None,
                 });
@@ -64,12 +69,17 @@ pub fn simple_effects(
     Ok(tests)
 }
 
-/// The test of one effect of these data, by the kind that the whole was tested by.
-fn test_of(data: &DesignColumns<'_>, effect: &str, normal: bool) -> Result<EffectTest, StatsError> {
+/// The test of one effect of these data, by the kind that the whole was tested by, and how many subjects are in it.
+fn test_of(
+    data: &DesignColumns<'_>,
+    effect: &str,
+    normal: bool,
+) -> Result<(usize, EffectTest), StatsError> {
     let (design, shape, covariates) = shaped(data)?;
     let plan = DesignPlan::of(&shape);
     let (_, tests) = tested(&design, &shape, &covariates, &plan, normal)?;
     let test = tests.get(effect).cloned();
+    let test = test.map(|test| (design.n(), test));
     test.ok_or_else(|| unknown("an effect", effect, tests.iter().map(|(name, _)| name)))
 }
 

@@ -5,12 +5,11 @@ use std::collections::BTreeSet;
 use super::{
     AskedTest, ByDesign, Chosen, ChosenTest, DesignChoice, DesignColumns, MissingCells,
     OrdinalFinding, PERIOD, SmallSample, carry_over::is_connected, kept, one_factor::as_answers,
-    own_errors::own_errors,
 };
 use crate::{
     MarginalContrast, Ordinal, PosthocTest, StatsError, WithinSubjects,
     compare::run,
-    ordinal::{Difference, by_period},
+    ordinal::{Difference, by_period, ratios_of_pairs},
 };
 
 /// The test that was asked for; where orders are known, with the period.
@@ -68,16 +67,7 @@ pub(super) fn with_period_or_declared(
         (None, Some(conditions)) if as_answers => ordered(data, conditions, reasons),
         (None, _) if !as_answers => {
             reasons.push(kept::model_of(data).to_owned());
-            let mut by_design = kept::mixed(data, choice, reasons)?;
-            let pairs = one_factor.and_then(|conditions| own_errors(data, conditions));
-            if let (ByDesign::Mixed(mixed), Some(pairs)) = (&mut by_design, pairs) {
-                mixed.found.own_error = pairs;
-                mixed.reasons.push(
-                    "each pair of conditions has an error of its own, over the spread of that difference between people"
-                        .to_owned(),
-                );
-            }
-            Ok(by_design)
+            kept::mixed(data, choice, reasons)
         }
         _ => Err(StatsError::no_fit(
             "the test that was asked for is of one factor within subjects alone",
@@ -114,6 +104,12 @@ fn ordered(
     } else {
         None
     };
+    let columns = (data.subjects, conditions, data.periods, data.values);
+    let ratios = ratios_of_pairs(columns, &model, &pairs)?;
+    let others = lr.df.saturating_sub(1) + further;
+    let against_f =
+        |(name, chi2): (String, f64)| Some((name, SmallSample::of_ratio(&model, chi2, 1, others)?));
+    let ratio = ratios.into_iter().filter_map(against_f).collect();
     let freedom = small_sample.as_ref().map(|test| test.df2 as f64);
     let by_t = |(name, (estimate, se)): (String, Difference)| {
         let contrast = MarginalContrast::from_estimate(estimate, se, freedom);
@@ -128,6 +124,7 @@ fn ordered(
             small_sample,
             period,
             contrast,
+            ratio,
             model,
             beside: None,
         },

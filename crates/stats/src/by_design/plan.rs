@@ -209,6 +209,11 @@ impl DesignShape {
             .collect()
     }
 
+    /// Whether a covariate is in the regression of a part within subjects: all are in that of the subjects' means.
+    pub(super) fn has_covariate(&self, within: Mask, name: &str) -> bool {
+        within == 0 || self.multiplied(within).contains(&name)
+    }
+
     /// Degrees of freedom within subjects.
     fn freedom(&self, within: Mask) -> usize {
         let levels = self.within.iter().enumerate();

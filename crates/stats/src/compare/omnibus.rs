@@ -103,12 +103,19 @@ pub(super) fn of_anova(
     }
 }
 
+impl Friedman {
+    /// The p that is reported, and of what it is: exact where that is feasible, else of F; of χ² where F is infinite.
+    pub fn reported_p(&self) -> (Option<f64>, OmnibusP) {
+        match (self.p_exact, self.f_p) {
+            (Some(p), _) => (Some(p), OmnibusP::Exact),
+            (None, Some(p)) => (Some(p), OmnibusP::ImanDavenport),
+            (None, None) => (self.p, OmnibusP::Chi2),
+        }
+    }
+}
+
 pub(super) fn of_friedman(friedman: &Friedman) -> Omnibus {
-    let (p, p_method) = match (friedman.p_exact, friedman.f_p) {
-        (Some(p), _) => (Some(p), OmnibusP::Exact),
-        (None, Some(p)) => (Some(p), OmnibusP::ImanDavenport),
-        (None, None) => (friedman.p, OmnibusP::Chi2),
-    };
+    let (p, p_method) = friedman.reported_p();
     Omnibus {
         test: OmnibusTest::Friedman,
         correction: SphericityCorrection::None,

@@ -59,7 +59,13 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
         }
     }
     let difference = concordant as f64 - discordant as f64;
-    let tau = (difference / ((pairs - tied_x).sqrt() * (pairs - tied_y).sqrt())).clamp(-1.0, 1.0);
+    let (untied_x, untied_y) = (pairs - tied_x, pairs - tied_y);
+    // Counts, so that all pairs in one order are told from nearly all.
+    let tau = if difference * difference >= untied_x * untied_y {
+        1.0_f64.copysign(difference)
+    } else {
+        difference / (untied_x.sqrt() * untied_y.sqrt())
+    };
     let untied = tied_x + tied_y <= 0.0;
     let (p, method) = if untied && x.len() < 50 {
         (

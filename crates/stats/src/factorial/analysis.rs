@@ -30,7 +30,7 @@ pub struct Factorial {
     /// Mauchly's test of the same effects. Of its p values the second-order term of `p` holds the number of all cells within
     /// subjects, as in R, where Anderson has the degrees of freedom.
     pub mauchly: Named<Mauchly>,
-    /// Marginal means of each effect, by cell.
+    /// Marginal means of each effect, by cell, with intervals by the covariance that is pooled over groups.
     pub emm: Named<Named<MarginalMean>>,
     /// Differences of the marginal means of each factor, by pair of levels.
     pub contrast: Named<Named<CellContrast>>,

@@ -1,6 +1,10 @@
 //! The table of a factorial design: who has which value in which cell.
 
-use crate::{StatsError, complete, within_subjects::Index};
+use super::sets::sets_of_factors;
+use crate::{
+    StatsError, complete,
+    within_subjects::{Index, tell_apart},
+};
 
 /// A factor and its levels, in order of first appearance.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,6 +89,14 @@ impl FactorialDesign {
             .iter()
             .map(|column| Levels::new(column, &people.names, &people.rows))
             .collect::<Result<_, _>>()?;
+        let factors = levels.iter().map(|l| &l.factor).chain(&within);
+        let factors: Vec<&Factor> = factors.collect();
+        for set in sets_of_factors(factors.len()) {
+            let inside = factors.iter().enumerate();
+            let inside = inside.filter(|(f, _)| set >> f & 1 == 1);
+            let inside: Vec<&[String]> = inside.map(|(_, factor)| &factor.levels[..]).collect();
+            tell_apart(&inside)?;
+        }
         let counts: Vec<usize> = within.iter().map(|f| f.levels.len()).collect();
         let width: usize = counts.iter().product();
         let cell = |row: usize| {
@@ -304,11 +316,12 @@ fn check_shape(
         ),
     ] {
         if found < least || found > MOST_FACTORS {
-            return Err(StatsError::parameter(
-                name,
-                &format!("{least} to {MOST_FACTORS} of them"),
-                found as f64,
-            ));
+            let expected = if found < least {
+                format!("at least {least}")
+            } else {
+                format!("at most {MOST_FACTORS}")
+            };
+            return Err(StatsError::parameter(name, &expected, found as f64));
         }
     }
     let mut names: Vec<&str> = within.iter().map(|(name, _)| *name).collect();

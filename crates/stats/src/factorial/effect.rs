@@ -1,13 +1,6 @@
 //! Effects of a factorial design as sets of its factors.
 
-use super::FactorialDesign;
-
-/// Every set of some of so many factors, a bit each: the smallest first, within one size those of the first factors first.
-pub(crate) fn sets_of_factors(count: usize) -> Vec<usize> {
-    let mut sets: Vec<usize> = (1..1 << count).collect();
-    sets.sort_by_key(|set| (set.count_ones(), std::cmp::Reverse(set.reverse_bits())));
-    sets
-}
+use super::{FactorialDesign, sets::sets_of_factors};
 
 /// A set of factors: bit f stands for the f-th, those between subjects first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,6 +9,7 @@ mod effect;
 mod means;
 mod regression;
 mod residuals;
+mod sets;
 mod unpooled;
 mod weights;
 
@@ -18,10 +19,10 @@ pub use art::{AlignedRanks, ArtEffect, ArtStrata, aligned_ranks};
 pub(crate) use cells::contrasts;
 pub(crate) use design::check_between;
 pub use design::{BetweenColumn, Factor, FactorialDesign, WithinColumn};
-pub(crate) use effect::sets_of_factors;
 pub use means::{CellContrast, ExactTest, MarginalMean, SimpleEffect};
 pub(crate) use regression::{Regressed, SubjectCovariate, regressed};
+pub(crate) use sets::sets_of_factors;
 pub(crate) use unpooled::{Unpooled, unpooled};
-pub(crate) use weights::level_weights;
+pub(crate) use weights::{cell_weights, level_weights, stratum_weights};
 
 use effect::Effect;

@@ -6,7 +6,7 @@ use crate::{
         decimal,
         moments::{is_constant, mean_and_square_sum},
     },
-    within_subjects::{Index, each_pair},
+    within_subjects::{Index, each_pair, tell_apart},
 };
 
 /// One group.
@@ -47,6 +47,7 @@ impl Samples {
         let kept = complete::rows(&[("value", values)], "value", 1)?;
         let index = Index::from_labels(groups);
         complete::enough("group", index.names.len(), kept.missing, 2)?;
+        tell_apart(&[index.names.as_slice()])?;
         let mut columns = vec![(Vec::new(), Vec::new()); index.names.len()];
         let given = &kept.columns[0];
         for ((&row, &value), &key) in kept.kept.iter().zip(given).zip(&*decimal::tied(given)) {

@@ -1,7 +1,11 @@
 //! The columns of a model: factors in treatment coding, covariates less their means.
 
 use super::formula::Formula;
-use crate::{StatsError, numerics::projection::residuals, within_subjects::Index};
+use crate::{
+    StatsError,
+    numerics::projection::residuals,
+    within_subjects::{Index, tell_apart},
+};
 
 /// One predictor, a value a row.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +51,16 @@ enum Coded {
         levels: Vec<String>,
         of_row: Vec<Option<usize>>,
     },
+}
+
+impl Coded {
+    /// None of a covariate.
+    fn levels(&self) -> Option<&[String]> {
+        match self {
+            Self::Covariate { .. } => None,
+            Self::Factor { levels, .. } | Self::SumToZero { levels, .. } => Some(levels),
+        }
+    }
 }
 
 /// Product of dummies of levels (0 for a covariate) of the predictors of one term.
@@ -108,6 +122,8 @@ impl<'a> Columns<'a> {
             .collect::<Result<_, _>>()?;
         let mut columns = Vec::new();
         for term in formula.terms() {
+            let levels = term.iter().filter_map(|&p| coded[p].levels());
+            tell_apart(&levels.collect::<Vec<_>>())?;
             let mut products: Vec<Vec<(usize, usize)>> = vec![Vec::new()];
             for &p in term {
                 let levels = match &coded[p] {
@@ -197,10 +213,7 @@ impl<'a> Columns<'a> {
 
     /// Levels of predictor `p` if it is no covariate.
     pub(super) fn levels(&self, p: usize) -> Option<&[String]> {
-        match &self.coded[p] {
-            Coded::Covariate { .. } => None,
-            Coded::Factor { levels, .. } | Coded::SumToZero { levels, .. } => Some(levels),
-        }
+        self.coded[p].levels()
     }
 
     /// Every factor averaged over its levels, every covariate at 0 as it was given.

@@ -1,7 +1,10 @@
 //! Variances of u that several random columns share: of the subjects, and of the subjects at each level of a factor.
 
 use super::{Fit, MixedMethod, blocks::Blocks, profile};
-use crate::numerics::{matrix::Matrix, minimise::minimise};
+use crate::numerics::{
+    matrix::Matrix,
+    minimise::{decades, minimise},
+};
 
 /// What the degrees of freedom are where a variance has its top at 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,8 +59,25 @@ impl Components {
 
     /// The top of the restricted likelihood, to its last digits; a variance whose top is at 0 is exactly 0.
     pub(super) fn top(&self, blocks: &Blocks) -> Option<Fit> {
-        let deviance = |theta: &[f64]| self.at(blocks, theta).map_or(f64::MAX, |fit| fit.deviance);
-        let (mut theta, mut lowest) = minimise(&vec![0.7; self.0.len()], 0.4, 1e-10, deviance);
+        let deviance_of = |blocks: &Blocks, theta: &[f64]| {
+            self.at(blocks, theta).map_or(f64::MAX, |fit| fit.deviance)
+        };
+        let count = self.0.len();
+        // Each in its own unit: people may differ a million times more than their rows.
+        let units = (0..count).fold(vec![1.0; count], |units, k| {
+            let start = |factor: f64| with(&units, &[(k, factor)]);
+            let theta = |factor: f64| times(&[START].repeat(count), &start(factor));
+            let value = |factor: f64| deviance_of(blocks, &theta(factor));
+            with(&units, &[(k, decades(value))])
+        });
+        let in_units = |theta: &[f64]| deviance_of(blocks, &times(theta, &units));
+        let (found, _) = minimise(&[START].repeat(count), 0.4, 1e-10, in_units);
+        let mut theta = times(&found, &units);
+        // From here on of what those coefficients leave: a deviance with all of its digits.
+        let near = self.at(blocks, &theta)?.beta;
+        let rest = blocks.less(&near);
+        let deviance = |theta: &[f64]| deviance_of(&rest, theta);
+        let mut lowest = deviance(&theta);
         for k in 0..theta.len() {
             let without = with(&theta, &[(k, 0.0)]);
             let there = deviance(&without);
@@ -78,8 +98,17 @@ impl Components {
             }
             (theta, lowest) = (next, there.min(lowest));
         }
-        self.at(blocks, &theta)
+        let mut fit = self.at(&rest, &theta)?;
+        fit.beta.add(&near, 1.0);
+        Some(fit)
     }
+}
+
+/// Where the search for the ratios starts, in their units.
+const START: f64 = 0.7;
+
+fn times(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }
 
 fn with(theta: &[f64], values: &[(usize, f64)]) -> Vec<f64> {

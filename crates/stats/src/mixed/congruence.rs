@@ -146,7 +146,8 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
     rows.independent()?;
     let random = |row: usize, j: usize| rows.columns.value(row, if j == 0 { 0 } else { MOVED });
     let blocks = rows.blocks(2, random);
-    let fit = fit(&blocks, MixedMethod::Reml).ok_or_else(no_fit)?;
+    let fit = fit(&blocks, MixedMethod::Reml).filter(|fit| !fit.leaves_rounding(&rows.values));
+    let fit = fit.ok_or_else(no_fit)?;
     let estimates = Estimates::unrestricted(&blocks, &fit, rows.offset);
     let of_person = |person: &Vec<usize>| {
         let values = person.iter().filter_map(|&row| own[rows.kept[row]]);

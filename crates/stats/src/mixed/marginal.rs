@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{columns::Weight, described::Described, formula::Formula};
+use super::{columns::Weight, described::Described, formula::Formula, own_errors::OwnErrors};
 use crate::{
     Interval, MarginalMean, Named, Reasons,
     numerics::distributions::{t_quantile_two_sided, t_two_sided},
@@ -73,6 +73,12 @@ impl Cell<'_> {
 pub(super) const NO_FREEDOM: &str =
     "the variances have no information, so neither have degrees of freedom";
 
+/// Why a pair has no error of its own.
+const NO_OWN_ERROR: &str = "the pair has no error of its own: without one of the subjects it cannot be estimated, or it is the same in everybody";
+
+/// The pairs of each term of factors.
+pub(crate) type PairsByTerm = Named<Named<MarginalContrast>>;
+
 impl Described<'_> {
     /// The cells of each term that has factors alone: covariates at their mean, other factors averaged.
     fn cells(&self, formula: &Formula) -> Vec<(String, Vec<Cell<'_>>)> {
@@ -134,30 +140,50 @@ impl Described<'_> {
     }
 
     /// Differences by term and pair of cells; of an interaction the pairs that differ in one factor.
-    pub(super) fn contrasts(
+    pub(super) fn contrasts(&self, formula: &Formula, undefined: &mut Reasons) -> PairsByTerm {
+        let contrast = |weights: &[f64]| {
+            let (estimate, se, df) = self.estimates.estimate(weights);
+            MarginalContrast::from_estimate(estimate, se, df)
+        };
+        self.pairs(formula, contrast, ("contrast", NO_FREEDOM), undefined)
+    }
+
+    /// The same, each over its own error; without a p, over that of the model, where it has none.
+    pub(super) fn own_contrasts(
         &self,
         formula: &Formula,
+        errors: &OwnErrors,
         undefined: &mut Reasons,
-    ) -> Named<Named<MarginalContrast>> {
+    ) -> PairsByTerm {
+        let contrast = |weights: &[f64]| {
+            let (estimate, of_the_model, _) = self.estimates.estimate(weights);
+            let (se, df) = errors.error_of(weights).unzip();
+            MarginalContrast::from_estimate(estimate, se.unwrap_or(of_the_model), df)
+        };
+        self.pairs(formula, contrast, ("own_error", NO_OWN_ERROR), undefined)
+    }
+
+    fn pairs(
+        &self,
+        formula: &Formula,
+        contrast: impl Fn(&[f64]) -> MarginalContrast,
+        (prefix, why_no_p): (&str, &str),
+        undefined: &mut Reasons,
+    ) -> PairsByTerm {
         let mut by_term = Vec::new();
         for (term, cells) in self.cells(formula) {
             let mut pairs = Vec::new();
             for (a, b) in each_pair(&cells).filter(|(a, b)| a.is_beside(b)) {
                 let name = format!("{}|{}", a.name(), b.name());
-                let contrast = self.contrast(a, b);
+                let weights = a.weights.iter().zip(&b.weights).map(|(a, b)| a - b);
+                let contrast = contrast(&weights.collect::<Vec<f64>>());
                 if contrast.p.is_none() {
-                    undefined.note(&format!("contrast.{term}.{name}"), NO_FREEDOM);
+                    undefined.note(&format!("{prefix}.{term}.{name}"), why_no_p);
                 }
                 pairs.push((name, contrast));
             }
             by_term.push((term, MarginalContrast::family(pairs)));
         }
         by_term.into_iter().collect()
-    }
-
-    fn contrast(&self, a: &Cell, b: &Cell) -> MarginalContrast {
-        let weights = a.weights.iter().zip(&b.weights).map(|(a, b)| a - b);
-        let (estimate, se, df) = self.estimates.estimate(&weights.collect::<Vec<f64>>());
-        MarginalContrast::from_estimate(estimate, se, df)
     }
 }

@@ -83,7 +83,7 @@ impl<'a> ModelRows<'a> {
 /// Why there is no top of the likelihood.
 pub(super) fn no_fit() -> StatsError {
     StatsError::no_fit(
-        "the predictors explain all of the values, so nothing is left to estimate a variance from",
+        "the predictors and the subjects explain all of the values: what is left to estimate a variance from is rounding",
     )
 }
 

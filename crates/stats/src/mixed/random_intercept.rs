@@ -8,20 +8,26 @@ use super::{
     components::{AtZero, Components},
     described::{Described, Estimates},
     formula::Formula,
-    marginal::{MarginalContrast, NO_FREEDOM},
+    marginal::{MarginalContrast, NO_FREEDOM, PairsByTerm},
     model_rows::{ModelRows, no_fit},
+    own_errors::OwnErrors,
 };
 use crate::{
     MarginalMean, Named, Reasons, StatsError,
     factorial::contrasts,
-    numerics::{distributions::f_upper, matrix::Matrix, moments::dot, spectrum::principal_axes},
+    numerics::{
+        distributions::f_upper,
+        matrix::Matrix,
+        moments::{dot, largest},
+        spectrum::principal_axes,
+    },
 };
 
 /// Variances of a model with a random intercept.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct InterceptVariance {
-    /// Of the subjects' levels; exactly 0 if they differ less than chance would have them, or each subject has a single row.
-    pub subject: f64,
+    /// Of the subjects' levels; exactly 0 if they differ less than chance would have them, none where each subject has a single row.
+    pub subject: Option<f64>,
     /// Within a subject.
     pub residual: f64,
 }
@@ -56,15 +62,16 @@ pub struct RandomIntercept {
     /// Of the subjects at each level of a factor, by factor: none with a random intercept alone.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub variance_by: Named<f64>,
-    /// Share of the subjects in the sum of both: the correlation of two values of one subject.
-    pub icc: f64,
+    /// Share of the subjects in the sum of both: the correlation of two values of one subject; none where nobody has two.
+    pub icc: Option<f64>,
     /// -2 ln of the restricted likelihood at its top.
     pub reml_criterion: f64,
     /// ln of the restricted likelihood.
     pub log_likelihood: f64,
     /// Coefficients: `(Intercept)`, `x`, `a[a2]`, `a[a2]:x`; the first level of a factor is the reference.
     pub coef: Named<FixedEffect>,
-    /// Type III tests of each term: at covariates of 0, averaged over the levels of the other factors.
+    /// Type III tests of each term: at the mean of the covariates, as `emm` and `contrast`, averaged over the levels of the other factors.
+    /// Where a factor stands in a product with a covariate, lmerTest tests it at a covariate of 0 unless that is centred.
     pub anova: Named<TermTest>,
     /// Marginal means of each term of factors alone, by cell: covariates at their mean, other factors averaged.
     pub emm: Named<Named<MarginalMean>>,
@@ -107,7 +114,15 @@ pub fn random_intercept(
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
 ) -> Result<RandomIntercept, StatsError> {
-    restricted(subjects, formula, &[], predictors, y, AtZero::Pooled)
+    let (model, _) = restricted(
+        subjects,
+        formula,
+        &[],
+        predictors,
+        y,
+        (AtZero::Pooled, PairErrors::Model),
+    )?;
+    Ok(model)
 }
 
 /// The same with a variance of the subjects at each level of some factors too: y = X β + u + Σ u_f + ε, all uncorrelated.
@@ -144,7 +159,43 @@ pub fn random_by_factor(
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
 ) -> Result<RandomIntercept, StatsError> {
-    restricted(subjects, formula, by, predictors, y, AtZero::Strata)
+    let (model, _) = restricted(
+        subjects,
+        formula,
+        by,
+        predictors,
+        y,
+        (AtZero::Strata, PairErrors::Model),
+    )?;
+    Ok(model)
+}
+
+/// The same, and the pairs of each term over errors of their own; none where each subject has a single row. Whatever pair has none is
+/// noted below `own_error`.
+pub(crate) fn random_with_own_errors(
+    subjects: &[String],
+    formula: &Formula,
+    by: &[&str],
+    predictors: &[(&str, Predictor)],
+    y: &[Option<f64>],
+) -> Result<(RandomIntercept, PairsByTerm), StatsError> {
+    restricted(
+        subjects,
+        formula,
+        by,
+        predictors,
+        y,
+        (AtZero::Strata, PairErrors::Own),
+    )
+}
+
+/// Which errors pairs have beside those of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum PairErrors {
+    /// None.
+    Model,
+    /// One of their own each.
+    Own,
 }
 
 fn restricted(
@@ -153,8 +204,8 @@ fn restricted(
     by: &[&str],
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
-    at_zero: AtZero,
-) -> Result<RandomIntercept, StatsError> {
+    (at_zero, pair_errors): (AtZero, PairErrors),
+) -> Result<(RandomIntercept, PairsByTerm), StatsError> {
     let rows = ModelRows::new(subjects, formula, predictors, y, 2)?;
     rows.independent()?;
     let ModelRows {
@@ -192,6 +243,7 @@ fn restricted(
     } else {
         components.top(&blocks)
     };
+    let fit = fit.filter(|fit| !fit.leaves_rounding(&rows.values));
     let fit = fit.ok_or_else(no_fit)?;
     // With a single row of each subject nothing is within subjects.
     let at_zero = if alone { AtZero::Pooled } else { at_zero };
@@ -199,9 +251,19 @@ fn restricted(
     let mut undefined = Reasons::default();
     let residual = fit.variance;
     let ratios = components.ratios(&fit.l);
-    let subject = residual * ratios[0];
+    let subject = (!alone).then(|| residual * ratios[0]);
+    if alone {
+        let reason = "each subject has a single row: its level cannot be told from the residual";
+        undefined.note_all(&["variance.subject", "icc"], reason);
+    }
+    let errors = (!alone && pair_errors == PairErrors::Own)
+        .then(|| OwnErrors::new(&blocks, &fit, largest(&rows.values)))
+        .flatten();
+    let own_pairs = errors.map_or_else(Named::default, |errors| {
+        described.own_contrasts(formula, &errors, &mut undefined)
+    });
     let variance_by = by.iter().zip(&ratios[1..]);
-    Ok(RandomIntercept {
+    let model = RandomIntercept {
         formula: formula.to_string(),
         n_obs: rows.values.len(),
         n_subjects: people.len(),
@@ -210,7 +272,7 @@ fn restricted(
         variance_by: variance_by
             .map(|((name, _), ratio)| ((*name).to_owned(), residual * ratio))
             .collect(),
-        icc: subject / (subject + residual),
+        icc: subject.map(|subject| subject / (subject + residual)),
         reml_criterion: fit.deviance,
         log_likelihood: -0.5 * fit.deviance,
         coef: described.coefficients(&mut undefined),
@@ -218,7 +280,8 @@ fn restricted(
         emm: described.means(formula, &mut undefined),
         contrast: described.contrasts(formula, &mut undefined),
         undefined,
-    })
+    };
+    Ok((model, own_pairs))
 }
 
 impl Described<'_> {
@@ -246,10 +309,10 @@ impl Described<'_> {
         formula.terms().iter().map(one).collect()
     }
 
-    /// Contrasts of the levels of the term's factors, in the slope of its covariates; orthonormal, so that the principal axes of several
-    /// do not depend on which level comes first.
+    /// Contrasts of the levels of the term's factors, in the slope of its covariates, other covariates at their mean; orthonormal, so that
+    /// the principal axes of several do not depend on which level comes first.
     fn hypothesis(&self, term: &[usize]) -> Vec<Vec<f64>> {
-        let mut rows = vec![self.columns.at_zero()];
+        let mut rows = vec![self.columns.at_means()];
         for &p in term {
             let choices: Vec<Weight> = match self.columns.levels(p) {
                 None => vec![Weight::Slope],
@@ -328,139 +391,4 @@ fn of_several(freedoms: &[f64]) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    struct Made {
-        people: Vec<String>,
-        mode: Vec<Option<String>>,
-        speed: Vec<Option<f64>>,
-        y: Vec<Option<f64>>,
-    }
-
-    /// Six people, three modes, a speed.
-    fn made() -> Made {
-        let row = |i: usize| (i * 37 % 11) as f64;
-        Made {
-            people: (0..18).map(|i| (i / 3).to_string()).collect(),
-            mode: (0..18)
-                .map(|i| Some(["calm", "mean", "sporty"][i % 3].to_owned()))
-                .collect(),
-            speed: (0..18)
-                .map(|i| Some(row(i) + 0.5 * (i % 4) as f64))
-                .collect(),
-            y: (0..18)
-                .map(|i| Some(row(i + 5) * 0.3 + (i / 3) as f64 + (i % 3) as f64))
-                .collect(),
-        }
-    }
-
-    fn run(made: &Made, formula: &str) -> Result<RandomIntercept, StatsError> {
-        let predictors = [
-            ("mode", Predictor::Factor(&made.mode)),
-            ("speed", Predictor::Covariate(&made.speed)),
-            ("again", Predictor::Covariate(&made.speed)),
-        ];
-        random_intercept(&made.people, &formula.parse()?, &predictors, &made.y)
-    }
-
-    #[test]
-    fn one_factor_without_gaps_is_the_analysis_of_variance() {
-        let made = made();
-        let fit = run(&made, "mode").unwrap();
-        let mode: Vec<String> = made.mode.iter().flatten().cloned().collect();
-        let data = crate::WithinSubjects::from_long(&made.people, &mode, &made.y).unwrap();
-        let anova = crate::rm_anova(&data).rm_anova;
-        let term = fit.anova.get("mode").unwrap();
-        assert!((term.f / anova.f.unwrap() - 1.0).abs() < 1e-6);
-        assert!((term.df2.unwrap() - anova.df2 as f64).abs() < 1e-4);
-        assert_eq!(fit.emm.get("mode").unwrap().len(), 3);
-        // Without gaps a pair over the pooled error is the t test of the analysis of variance.
-        let pooled = crate::within(&data).pooled;
-        for (name, pair) in fit.contrast.get("mode").unwrap().iter() {
-            let known = pooled.get(name).unwrap();
-            assert!((pair.t / known.t.unwrap() - 1.0).abs() < 1e-6, "{name}");
-            assert!((pair.p_holm.unwrap() / known.p_holm.unwrap() - 1.0).abs() < 1e-4);
-        }
-    }
-
-    #[test]
-    fn pairs_of_an_interaction_differ_in_one_factor() {
-        let made = made();
-        let side = (0..18).map(|i| Some(["left", "right"][i / 9].to_owned()));
-        let side: Vec<Option<String>> = side.collect();
-        let predictors = [
-            ("mode", Predictor::Factor(&made.mode)),
-            ("side", Predictor::Factor(&side)),
-        ];
-        let formula = "mode*side".parse().unwrap();
-        let fit = random_intercept(&made.people, &formula, &predictors, &made.y).unwrap();
-        let pairs = fit.contrast.get("mode:side").unwrap();
-        // Three of the sides at each mode, three of the modes at each side.
-        assert_eq!(pairs.len(), 3 + 2 * 3);
-        let means = fit.emm.get("mode:side").unwrap();
-        let pair = pairs.get("calm:left|calm:right").unwrap();
-        let [a, b] = ["calm:left", "calm:right"].map(|cell| means.get(cell).unwrap().mean);
-        assert!((pair.estimate - (a - b)).abs() < 1e-12);
-    }
-
-    #[test]
-    fn single_rows_are_an_analysis_of_covariance() {
-        // y = 1 + 2 x + 3 (group b), and residuals of +-1/4 that are orthogonal to all columns.
-        let people: Vec<String> = (0..8).map(|i| i.to_string()).collect();
-        let group: Vec<_> = (0..8).map(|i| Some(["a", "b"][i / 4].to_owned())).collect();
-        let x = [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0];
-        let rest = [1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0];
-        let y: Vec<_> = (0..8)
-            .map(|i| Some(1.0 + 2.0 * x[i] + 3.0 * (i / 4) as f64 + 0.25 * rest[i]))
-            .collect();
-        let x = x.map(Some);
-        let predictors = [
-            ("group", Predictor::Factor(&group)),
-            ("x", Predictor::Covariate(&x)),
-        ];
-        let fit =
-            random_intercept(&people, &"group + x".parse().unwrap(), &predictors, &y).unwrap();
-        let group = fit.coef.get("group[b]").unwrap();
-        // s² = 8/16 / (8 - 3) = .1; var = s² (1/4 + 1/4).
-        assert!((group.estimate - 3.0).abs() < 1e-12 && (group.df.unwrap() - 5.0).abs() < 1e-9);
-        assert!((group.se.unwrap() - 0.05_f64.sqrt()).abs() < 1e-12);
-        assert!(fit.variance.subject.abs() < 1e-300);
-    }
-
-    #[test]
-    fn offsets_of_value_and_covariate_move_the_intercept_alone() {
-        let near = made();
-        let mut far = made();
-        far.y = far.y.iter().map(|v| v.map(|v| v + 1e8)).collect();
-        far.speed = far.speed.iter().map(|v| v.map(|v| v + 1e6)).collect();
-        let (near, far) = (
-            run(&near, "mode + speed").unwrap(),
-            run(&far, "mode + speed").unwrap(),
-        );
-        for name in ["mode[mean]", "mode[sporty]", "speed"] {
-            let (a, b) = (near.coef.get(name).unwrap(), far.coef.get(name).unwrap());
-            assert!((a.estimate - b.estimate).abs() < 1e-6, "{name}");
-            assert!((a.df.unwrap() / b.df.unwrap() - 1.0).abs() < 1e-4, "{name}");
-        }
-        let slope = far.coef.get("speed").unwrap().estimate;
-        let moved = far.coef.get("(Intercept)").unwrap().estimate - 1e8 + slope * 1e6;
-        assert!((moved - near.coef.get("(Intercept)").unwrap().estimate).abs() < 1e-5);
-    }
-
-    #[test]
-    fn what_cannot_be_fitted_is_refused_by_name() {
-        let said = |formula: &str| run(&made(), formula).unwrap_err();
-        assert!(matches!(said("speed + again"), StatsError::Collinear { name } if name == "again"));
-        assert!(matches!(said("week"), StatsError::Formula { text, .. } if text == "week"));
-        let mut flat = made();
-        flat.y = vec![Some(3.0); 18];
-        assert!(matches!(run(&flat, "mode"), Err(StatsError::NoFit { .. })));
-        let mut one = made();
-        one.mode = vec![Some("calm".to_owned()); 18];
-        assert!(matches!(
-            run(&one, "mode"),
-            Err(StatsError::OneLevel { .. })
-        ));
-    }
-}
+mod tests;

@@ -27,6 +27,19 @@ pub(crate) fn minimise(
     best
 }
 
+/// The power of ten, from 1 up, to which the value falls: where to look for a lowest point that may be decades away.
+pub(crate) fn decades(value: impl Fn(f64) -> f64) -> f64 {
+    let (mut factor, mut lowest) = (1.0, value(1.0));
+    for _ in 0..20 {
+        let there = value(10.0 * factor);
+        if there >= lowest {
+            break;
+        }
+        (factor, lowest) = (10.0 * factor, there);
+    }
+    factor
+}
+
 fn simplex(
     start: &[f64],
     step: f64,
@@ -92,6 +105,17 @@ fn simplex(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_lowest_point_is_looked_for_decades_away_and_nearby() {
+        let at = |place: f64| decades(|x: f64| (libm::log10(x) - place).powi(2));
+        assert_eq!(
+            [at(-2.0), at(0.2), at(6.1)].map(|f| f.round() as i64),
+            [1, 1, 1_000_000]
+        );
+        // Without an end it is given up.
+        assert!(decades(|x: f64| -x).is_finite());
+    }
 
     #[test]
     fn a_curved_valley_is_followed_to_its_end() {

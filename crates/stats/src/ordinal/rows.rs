@@ -1,7 +1,10 @@
 //! The rows of ordered answers, and which conditions separate them.
 
 use super::likelihood::Sample;
-use crate::{StatsError, complete, within_subjects::Index};
+use crate::{
+    StatsError, complete,
+    within_subjects::{Index, tell_apart},
+};
 
 /// One answer: positions of its subject, condition, period and category.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +53,7 @@ impl Answers {
         categories.dedup();
         let named = Index::from_labels(conditions);
         StatsError::two_conditions(named.names.len())?;
+        tell_apart(&[named.names.as_slice()])?;
         let people = Index::from_labels(kept.kept.iter().map(|&row| &subjects[row]));
         complete::enough("subject", people.names.len(), kept.missing, 2)?;
         let mut met: Vec<usize> = kept
@@ -90,10 +94,14 @@ impl Answers {
 
     /// The same without conditions whose every answer is the lowest or the highest of those left.
     ///
-    /// In the limit of an infinite coefficient their rows have probability 1, whoever answers.
-    pub(super) fn without_separated(&self) -> Result<Self, StatsError> {
+    /// In the limit of an infinite coefficient their rows have probability 1, whoever answers. Where the conditions separate the answers
+    /// whole, so has every row: what is left is one condition with one answer.
+    pub(super) fn without_separated(&self) -> Self {
         let mut left = self.clone();
         loop {
+            if left.categories.len() < 2 {
+                return left.without_conditions();
+            }
             let highest = left.categories.len() - 1;
             let extreme = (0..left.conditions.len()).find(|&condition| {
                 let mut answers = left.rows.iter().filter(|row| row.condition == condition);
@@ -101,13 +109,13 @@ impl Answers {
                 (first == 0 || first == highest) && answers.all(|row| row.category == first)
             });
             let Some(extreme) = extreme else {
-                return Ok(left);
+                return left;
             };
-            left = left.without(extreme)?;
+            left = left.without(extreme);
         }
     }
 
-    fn without(&self, condition: usize) -> Result<Self, StatsError> {
+    fn without(&self, condition: usize) -> Self {
         let mut rows: Vec<Row> = self
             .rows
             .iter()
@@ -116,23 +124,33 @@ impl Answers {
             .collect();
         let occurs = |category: usize| rows.iter().any(|row| row.category == category);
         let kept: Vec<usize> = (0..self.categories.len()).filter(|c| occurs(*c)).collect();
-        if kept.len() < 2 {
-            let reason = "the conditions separate the answers whole, so no coefficient is finite";
-            return Err(StatsError::no_fit(reason));
-        }
         for row in &mut rows {
             row.category = kept.partition_point(|c| *c < row.category);
             row.condition -= usize::from(row.condition > condition);
         }
         let mut conditions = self.conditions.clone();
         conditions.remove(condition);
-        Ok(Self {
+        Self {
             rows,
             subjects: self.subjects,
             conditions,
             periods: self.periods,
             categories: kept.iter().map(|&c| self.categories[c]).collect(),
-        })
+        }
+    }
+
+    /// The same with two conditions, the first before the second, as one.
+    pub(super) fn with_one_of(&self, first: usize, second: usize) -> Self {
+        let mut one = self.clone();
+        one.conditions.remove(second);
+        for row in &mut one.rows {
+            if row.condition == second {
+                row.condition = first;
+            } else {
+                row.condition -= usize::from(row.condition > second);
+            }
+        }
+        one
     }
 
     /// All rows as if of one condition.

@@ -271,7 +271,8 @@ fn item_statistics(
         if is_constant(&columns[i]) {
             warnings.push(format!("item {name} does not vary"));
         }
-        if let Some(r) = r_drop.filter(|r| *r < 0.0) {
+        // What is written as -0.00 goes against nothing.
+        if let Some(r) = r_drop.filter(|r| *r <= -0.005) {
             warnings.push(format!(
                 "item {name} goes against the others (r = {r:.2}): is it reverse keyed?"
             ));
@@ -390,6 +391,21 @@ mod tests {
         assert!(width(naive) < 0.5 * width(once), "{naive:?} {once:?}");
         assert!(width(people) > 1.5 * width(naive), "{people:?} {naive:?}");
         assert!(people.0 < 0.85 && people.1 > 0.92, "{people:?}");
+    }
+
+    #[test]
+    fn an_item_that_goes_against_the_others_is_named_and_one_beside_them_is_not() {
+        let warned = |b: [f64; 4]| {
+            let columns = [[1.0, 2.0, 3.0, 4.0], b].map(|item| item.map(Some).to_vec());
+            let items: Vec<(&str, &[Option<f64>])> = ["a", "b"]
+                .into_iter()
+                .zip(columns.iter().map(Vec::as_slice))
+                .collect();
+            alpha(&items, None).unwrap().warnings.len()
+        };
+        // Its covariance is exactly 0, and rounding may leave it below.
+        assert_eq!(warned([0.1, 0.3, 0.3, 0.1]), 0);
+        assert_eq!(warned([4.0, 3.0, 2.5, 1.0]), 2);
     }
 
     #[test]

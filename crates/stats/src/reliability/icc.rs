@@ -138,6 +138,11 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
         .map(|f| n * (between - f * rest) / (f * others + n * between));
     let high = f_quantile_upper(0.025, free, n - 1.0)
         .map(|f| n * (f * between - rest) / (others + n * f * between));
+    if low.is_some_and(|low| low > estimate) || high.is_some_and(|high| high < estimate) {
+        let reason = "the approximate interval does not hold its own estimate";
+        result.undefined.note_ends(&["ci"], reason);
+        return Ok(result);
+    }
     result.ci = Interval { low, high };
     if low.is_none() || high.is_none() {
         let reason = "the F distribution has no such quantile";
@@ -172,6 +177,21 @@ mod tests {
         assert!(moved.sem > 2.0 && alike.sem < 0.25, "{moved:?} {alike:?}");
         assert!(alike.ci.low.unwrap() < alike.icc.unwrap());
         assert!(alike.ci.high.unwrap() > alike.icc.unwrap());
+    }
+
+    #[test]
+    fn an_interval_that_does_not_hold_its_own_estimate_is_none() {
+        let of_five = |second: [f64; 5]| {
+            let column = |x: [f64; 5]| x.map(Some).to_vec();
+            of(&[column([7.5, 7.5, 6.5, 6.5, 5.5]), column(second)])
+        };
+        // -.151, of which the upper end would be -.160.
+        let turned = of_five([1.5, 1.5, 3.25, 3.25, 5.0]);
+        assert!(turned.icc.unwrap() < -0.15, "{turned:?}");
+        assert_eq!((turned.ci.low, turned.ci.high), (None, None));
+        let alike = of_five([7.0, 7.5, 6.0, 6.5, 5.0]);
+        let estimate = alike.icc.unwrap();
+        assert!(alike.ci.low.unwrap() < estimate && estimate < alike.ci.high.unwrap());
     }
 
     #[test]

@@ -37,8 +37,8 @@ pub struct Forgotten {
     pub rows: Vec<(PathBuf, usize)>,
     /// Models that had learned from them: removed, and refused wherever a copy of one is met, until there is one that was trained anew.
     pub models: Vec<PathBuf>,
-    /// Files that name them still, or may hold them under a pseudonym (earlier exports), and that no command of ours may change: to be
-    /// looked at by hand.
+    /// Files that name them still, or may hold them under a pseudonym (earlier exports) or as whatever a run moved aside, and that no
+    /// command of ours may change: to be looked at by hand.
     pub left: Vec<PathBuf>,
 }
 
@@ -183,7 +183,7 @@ fn is_answers(study: &DesignFile, path: &Path) -> bool {
 /// texts.
 fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bool, StudyError> {
     let within = path.strip_prefix(study.folder()).unwrap_or(path);
-    if names(&within.to_string_lossy(), id.as_str()) {
+    if names(&within.to_string_lossy(), id.as_str()) || is_aside(within) {
         return Ok(true);
     }
     // A workbook, or a text in another encoding, shows its words to its reader alone.
@@ -195,6 +195,15 @@ fn names_still(study: &DesignFile, path: &Path, id: &ParticipantId) -> Result<bo
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
     Ok(is_about(&String::from_utf8_lossy(&bytes), id.as_str()))
+}
+
+/// Whether a run moved it aside, since nobody could tell whether a person or a stage had put it there: nobody can tell of whom it is, too.
+fn is_aside(within: &Path) -> bool {
+    let mut folders = within.components();
+    folders.any(|folder| {
+        let name = folder.as_os_str().to_string_lossy();
+        name.starts_with("moved-aside-")
+    })
 }
 
 /// Every file of a folder and of the folders in it, in order; links are not followed.

@@ -1,26 +1,26 @@
 //! What there is of a study, by person and time, and what is awaited.
 
+mod drives;
+
+use drives::Drives;
+
 use crate::{
-    atomic_write::if_there,
-    beyond::turned_for,
     design::{DesignFile, People},
     error::StudyError,
-    run_folder::{answer_tables, lists},
+    gate::analysed,
+    run_folder::answer_tables,
     stages::ingest::{Ingest, logs_of_study},
     tables::{
-        Table,
-        conditions::read_conditions,
-        drives::ExclusionRow,
-        embeddings::read_embeddings,
         own_measures::{OwnMeasures, read_own_measures},
         participants::Enrolled,
-        read_rows,
         surveys::read_answers,
     },
 };
+use maveric_analysis::{LeftOut, Rule};
 use maveric_domain::{
-    Design, DriveMeta, Moment, Occasion, ParticipantId, Ride,
+    Moment, Occasion, ParticipantId, Ride,
     design::{Condition, Quantity, Software},
+    occasion::is_first,
 };
 use maveric_ingest::named_after;
 use path_slash::PathExt as _;
@@ -32,6 +32,9 @@ use std::{
 /// Why there is no drive of somebody for whom the dial was not turned.
 const NOT_TURNED: &str =
     "the dial was not turned: the person drives beyond what the model has learned from";
+
+/// Why there is no drive of a car that is made of a drive which is left out.
+const NOT_MADE: &str = "the drive by hand that the car is made of is left out";
 
 /// A person in a drive.
 type Cell = (ParticipantId, Ride);
@@ -79,6 +82,8 @@ pub(super) struct Sources<'a> {
     /// The scales that are asked of those who are tested (or of the others) at a time of a kind.
     asked_scales: BTreeMap<(bool, Time), BTreeSet<String>>,
     own_measures: Option<OwnMeasures>,
+    /// Whom and what the rules leave out, as far as a run has judged; who is absent is still awaited.
+    left_out: LeftOut,
 }
 
 /// Kinds of times at which the same is asked.
@@ -96,11 +101,15 @@ impl<'a> Sources<'a> {
         results: &Path,
         participants: Option<&Path>,
     ) -> Result<Self, StudyError> {
+        let named = LeftOut::named(&study.design).with_stopped(&study.stopped()?);
+        let mut left_out = analysed(named, results)?;
+        left_out.people.retain(|_, why| why.rule != Rule::Absent);
         let mut sources = Self {
             study,
             people: Vec::new(),
             logs: Logs::read(study)?,
-            drives: Drives::read(results, &study.design)?,
+            drives: Drives::read(results, &study.design, &left_out)?,
+            left_out,
             answers: Answers::read(study, results)?,
             asked_scales: BTreeMap::new(),
             own_measures: read_own_measures(study, participants)?,
@@ -117,7 +126,8 @@ impl<'a> Sources<'a> {
         sources.people = if people.enrolled.is_empty() {
             sources.everybody()
         } else {
-            let awaited = |p: &&Enrolled| p.excluded.is_none() && (p.tested || p.learned_from);
+            let keeps = |id: &ParticipantId| !sources.left_out.people.contains_key(id);
+            let awaited = |p: &&Enrolled| keeps(&p.id) && (p.tested || p.learned_from);
             let person = |p: &Enrolled| Person {
                 id: p.id.clone(),
                 tested: p.tested,
@@ -192,9 +202,8 @@ impl<'a> Sources<'a> {
         let measured = measured.map(|(who, _)| who);
         let ids: BTreeSet<&ParticipantId> =
             logs.chain(drives).chain(answers).chain(measured).collect();
-        let excluded = self.study.design.exclude();
         ids.into_iter()
-            .filter(|id| excluded.person(id).is_none())
+            .filter(|id| !self.left_out.people.contains_key(*id))
             .map(|id| Person {
                 id: id.clone(),
                 tested: true,
@@ -216,11 +225,51 @@ impl<'a> Sources<'a> {
         }
         let cell = (person.id.clone(), ride);
         let [log, drive] = self.driven(&cell);
-        let answers = match answers {
-            Awaited::Missing(_) if self.not_turned(&cell) => Awaited::No,
-            answers => answers,
+        let answers = match (answers, self.why_left_out(&cell)) {
+            (Awaited::No, _) => Awaited::No,
+            (_, Some(why)) => Awaited::Missing(why),
+            (Awaited::Missing(_), None) if self.why_no_car(&cell).is_some() => Awaited::No,
+            (answers, None) => answers,
         };
         [log, drive, answers, self.measured(person, &cell)]
+    }
+
+    /// Why nothing of a ride counts, whatever there is of it.
+    fn why_left_out(&self, cell: &Cell) -> Option<String> {
+        let listed = self.drives.kept_out.get(cell).cloned();
+        listed.or_else(|| self.ruled_out(cell))
+    }
+
+    /// The same by what is known of people and rides, whatever became of their logs.
+    fn ruled_out(&self, (who, ride): &Cell) -> Option<String> {
+        self.left_out.about(who, *ride).map(ToString::to_string)
+    }
+
+    /// The same of a condition: each of its rides in the first session, which alone is compared, is left out.
+    fn condition_left_out(&self, (who, ride): &Cell) -> Option<String> {
+        let rides = self.study.design.rides(ride.condition);
+        let rides = rides.filter(|ride| is_first(&ride.occasion.session));
+        let whys: Option<Vec<String>> = rides
+            .map(|ride| self.why_left_out(&(who.clone(), ride)))
+            .collect();
+        whys?.into_iter().next()
+    }
+
+    /// Why no car could be made for a ride, where none could.
+    fn why_no_car(&self, cell: &Cell) -> Option<&'static str> {
+        let design = &self.study.design;
+        design
+            .condition(cell.1.condition)
+            .filter(|c| c.simulated())?;
+        if self.not_turned(cell) {
+            return Some(NOT_TURNED);
+        }
+        let by_hand = Ride {
+            condition: design.baseline_id()?,
+            occasion: Occasion::FIRST,
+        };
+        self.why_left_out(&(cell.0.clone(), by_hand))
+            .map(|_| NOT_MADE)
     }
 
     /// Whether there was no ride to answer after, since the dial was not turned for the person.
@@ -233,7 +282,14 @@ impl<'a> Sources<'a> {
     fn driven(&self, cell: &Cell) -> [Awaited; 2] {
         let condition = self.study.design.condition(cell.1.condition);
         let simulated = condition.is_some_and(Condition::simulated);
-        if self.drives.made.contains(cell) {
+        let is_made = self.drives.made.contains(cell);
+        // A drive that was kept out is not one that was made in the same condition.
+        let left_out = if is_made {
+            self.ruled_out(cell)
+        } else {
+            self.why_left_out(cell)
+        };
+        if is_made && left_out.is_none() {
             // Whatever was driven had a log.
             let log = if simulated {
                 Awaited::No
@@ -242,22 +298,23 @@ impl<'a> Sources<'a> {
             };
             return [log, Awaited::There];
         }
-        let kept_out = self.drives.kept_out.get(cell);
         if simulated {
-            let why = match kept_out {
-                Some(why) => why.as_str(),
-                None if self.not_turned(cell) => NOT_TURNED,
-                None => "not simulated yet",
+            let why_no_car = || {
+                self.why_no_car(cell)
+                    .unwrap_or("not simulated yet")
+                    .to_owned()
             };
-            return [Awaited::No, Awaited::Missing(why.to_owned())];
+            let why = left_out.unwrap_or_else(why_no_car);
+            return [Awaited::No, Awaited::Missing(why)];
         }
         let file = self.logs.named.get(cell);
-        let log = Awaited::there_if(file.is_some() || kept_out.is_some(), || {
-            self.logs.why_none()
+        let came = is_made || file.is_some() || self.drives.kept_out.contains_key(cell);
+        let log = Awaited::there_if(came, || {
+            left_out.clone().unwrap_or_else(|| self.logs.why_none())
         });
-        let failed = file.and_then(|name| self.drives.failed.get(name));
-        let why = match (kept_out.or(failed), file) {
-            (Some(why), _) => why.clone(),
+        let failed = || self.drives.failed.get(file?).cloned();
+        let why = match (left_out.or_else(failed), file) {
+            (Some(why), _) => why,
             (None, Some(_)) => "its log is not ingested yet".to_owned(),
             (None, None) => "no log".to_owned(),
         };
@@ -294,20 +351,26 @@ impl<'a> Sources<'a> {
         if cell.1.occasion != Occasion::FIRST {
             return Awaited::No;
         }
+        let left_out = self.condition_left_out(cell);
         let cell = &(cell.0.clone(), cell.1.condition);
         let is_condition = design.condition(cell.1).is_some();
-        let Some(own) = &self.own_measures else {
-            let why = || format!("{} is not there", files.measures.to_slash_lossy());
-            return is_condition.then(why).map_or(Awaited::No, Awaited::Missing);
-        };
-        if !is_condition && !own.rows.iter().any(|(_, condition)| *condition == cell.1) {
+        let table = self.own_measures.as_ref();
+        let mut rows = table.into_iter().flat_map(|table| &table.rows);
+        if !is_condition && !rows.any(|(_, condition)| *condition == cell.1) {
             return Awaited::No;
         }
-        if !own.rows.contains(cell) {
+        if let Some(why) = left_out {
+            return Awaited::Missing(why);
+        }
+        let Some(table) = table else {
+            let measures = files.measures.to_slash_lossy();
+            return Awaited::Missing(format!("{measures} is not there"));
+        };
+        if !table.rows.contains(cell) {
             return Awaited::Missing("no row".to_owned());
         }
         let has = |id: &str| {
-            let mut rows = own.measurements.iter();
+            let mut rows = table.measurements.iter();
             rows.any(|m| m.participant == cell.0 && m.condition == cell.1 && m.measure == id)
         };
         let lacking = design.measures().iter().filter(|m| !has(&m.id));
@@ -354,64 +417,6 @@ impl Logs {
     }
 }
 
-/// The drives among the results.
-#[derive(Default)]
-struct Drives {
-    made: BTreeSet<Cell>,
-    /// Those that a rule left out, with the reason.
-    kept_out: BTreeMap<Cell, String>,
-    /// Logs that could not be ingested, by their names.
-    failed: BTreeMap<String, String>,
-    /// For whom `steer` did not turn the dial.
-    not_turned: BTreeSet<ParticipantId>,
-}
-
-impl Drives {
-    fn read(results: &Path, design: &Design) -> Result<Self, StudyError> {
-        let mut drives = Self {
-            not_turned: not_turned(results, design)?,
-            ..Self::default()
-        };
-        for list in lists(results) {
-            let listed: Vec<DriveMeta> = read_rows(&list)?;
-            let cell = |m: &DriveMeta| (m.participant.clone(), m.ride());
-            drives.made.extend(listed.iter().map(cell));
-            let path = list.with_file_name("exclusions.csv");
-            if !path.is_file() {
-                continue;
-            }
-            let table = Table::read(&path)?;
-            // Other stages list their exclusions in fewer columns.
-            if !table.has("rule") {
-                continue;
-            }
-            for row in table.records::<ExclusionRow>()? {
-                if !row.participant.is_empty() {
-                    let ride = row.ride()?;
-                    let cell = (ParticipantId::new(row.participant)?, ride);
-                    drives.kept_out.insert(cell, row.what);
-                } else if row.drive.is_empty() {
-                    drives.failed.insert(row.log, row.what);
-                }
-            }
-        }
-        Ok(drives)
-    }
-}
-
-/// For whom `steer` did not turn the dial, of those whom it has looked at.
-fn not_turned(results: &Path, design: &Design) -> Result<BTreeSet<ParticipantId>, StudyError> {
-    let conditions = results.join("conditions.csv");
-    if !conditions.is_file() {
-        return Ok(BTreeSet::new());
-    }
-    let conditions = read_conditions(&conditions)?;
-    let rows = if_there(&results.join("embeddings.csv"), read_embeddings)?;
-    let strangers = turned_for(&rows, &conditions, design).into_iter();
-    let not_turned = strangers.filter(|(_, turned)| !turned);
-    Ok(not_turned.map(|(who, _)| who).collect())
-}
-
 /// What the tables of answers hold.
 #[derive(Default)]
 struct Answers {
@@ -449,36 +454,4 @@ impl Answers {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn for_whom_the_dial_was_not_turned_is_known_once_conditions_are_placed() {
-        let design = Design::from_toml(
-            "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"learn\" }\n[style]\nscore = \"adb.total\"\npoints = 15\n\
-             [baseline]\nid = \"own\"\n[[condition]]\nid = \"mine\"\ncar = { dial = 0 }\n[[condition]]\nid = \"sporty\"\ncar = { dial = \"+1\" }\n",
-        )
-        .unwrap();
-        let results = tempfile::tempdir().unwrap();
-        let write = |name: &str, text: &str| std::fs::write(results.path().join(name), text);
-        let of = || {
-            let people = not_turned(results.path(), &design).unwrap().into_iter();
-            people.map(|who| who.to_string()).collect::<Vec<_>>()
-        };
-        write(
-            "embeddings.csv",
-            "drive,participant,condition,adb_used,adb,adb_hat,line_position,readings,beyond_why,w1\n\
-             P1-own,P1,own,false,,30,0.1,9,scale,0.5\nP2-own,P2,own,false,,30,0.1,9,,0.5\n",
-        )
-        .unwrap();
-        assert!(of().is_empty());
-        let header = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\n";
-        let placed =
-            |who: &str, condition: &str| format!("{who},{condition},30,0,,false,,false,0.5\n");
-        let mine = header.to_owned() + &placed("P1", "mine") + &placed("P2", "mine");
-        write("conditions.csv", &mine).unwrap();
-        assert_eq!(of(), ["P1"]);
-        write("conditions.csv", &(mine + &placed("P1", "sporty"))).unwrap();
-        assert!(of().is_empty());
-    }
-}
+mod tests;

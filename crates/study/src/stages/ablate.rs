@@ -104,6 +104,8 @@ const LOSSES: [(&str, &str, Loss); 3] = [
 struct Words<'a> {
     preface: &'a str,
     drives: usize,
+    /// Of each loss, the drives in which there is something to predict.
+    judged: [usize; 3],
     folds: usize,
     /// Whether each fold is one person.
     people: bool,
@@ -178,6 +180,10 @@ impl Stage for Ablate {
         let words = Words {
             preface: context.preface(),
             drives: ablated.drives.len(),
+            judged: LOSSES.map(|(_, _, loss)| {
+                let losses = values(&ablated.variants[0], loss);
+                losses.iter().flatten().count()
+            }),
             folds: ablated.settings.folds,
             people: self.leave_out.is_some(),
             passes: self.epochs,
@@ -309,15 +315,11 @@ fn page(
     context: &Context,
 ) -> Result<Report, StudyError> {
     let titles = LOSSES.map(|(key, unit, _)| Ok(format!("{} ({unit})", texts.text(key)?)));
-    // The own time gap predicts one thing of three; it stands in the table.
-    let shown = ablated.variants.iter().filter(|v| {
-        LOSSES
-            .iter()
-            .all(|(_, _, loss)| values(v, *loss).iter().any(Option::is_some))
-    });
     let figure = Ablation {
         losses: titles.into_iter().collect::<Result<_, StudyError>>()?,
-        variants: shown
+        variants: ablated
+            .variants
+            .iter()
             .map(|v| AblationVariant {
                 name: v.name.clone(),
                 losses: LOSSES.iter().map(|(_, _, loss)| values(v, *loss)).collect(),
@@ -422,6 +424,21 @@ mod tests {
         let read = |name: &str| std::fs::read_to_string(options.out.join(name)).unwrap();
         let page = read("index.html");
         assert!(page.contains("Each of 3 people left out in turn"));
+        let counted = LOSSES.map(|(_, _, loss)| {
+            whole
+                .of_each
+                .iter()
+                .flatten()
+                .filter_map(loss)
+                .count()
+                .to_string()
+        });
+        let counted = format!(
+            "{}, {} and {} of 8 drives",
+            counted[0], counted[1], counted[2]
+        );
+        assert!(page.contains(&counted), "{counted}");
+        assert!(read("figures/ablation.svg").contains("own time gap"));
         assert!(!page.contains("NaN") && !read("ablation.json").contains("NaN"));
     }
 

@@ -17,7 +17,8 @@ pub struct Described {
 /// `rehearsal/rehearsal.json` beside the design.
 ///
 /// # Errors
-/// [`StudyError`] if the design or the rehearsal cannot be read, or the rehearsal is of other outcomes or conditions.
+/// [`StudyError`] if the design or the rehearsal cannot be read, the rehearsal is of other outcomes or conditions, or the test of a primary
+/// outcome can never be run.
 ///
 /// # Source
 /// Headings: the OSF Preregistration template and AsPredicted.
@@ -26,6 +27,7 @@ pub fn describe(
     power: Option<&Path>,
 ) -> Result<Outcome<Described>, StudyError> {
     let study = DesignFile::find(design)?;
+    study.declarable()?;
     let text = preregistration(&study.design, &sample_size(&study, power)?)?;
     let summary = text.lines().map(str::to_owned).collect();
     Ok(Outcome::new(Described { text }, summary, Vec::new()))

@@ -88,6 +88,7 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
         let help = "a changed key or file is declared under `[amendments]` with its reason; the lock stays";
         return Err(StudyError::file(lock, problem).with_help(help));
     }
+    study.declarable()?;
     let text = read_text(path)?;
     let files = study.design.files();
     let measures = Some(&files.measures).filter(|_| !study.design.measures().is_empty());
@@ -186,10 +187,12 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
         changes.add("command", &frozen.stages, &stages::versions())?;
     }
     let mut sentences = changes.sentences;
-    if sentences.is_empty() {
+    let changed = !sentences.is_empty();
+    if !changed {
         sentences.push(texts.text("as_declared")?);
     }
-    sentences.push(texts.text(if sealed { "sealed" } else { "earlier" })?);
+    let seal = texts.with(&BTreeMap::from([("changed", changed)]));
+    sentences.push(seal.text(if sealed { "sealed" } else { "earlier" })?);
     if frozen.answers + frozen.logs > 0 {
         sentences.push(texts.text("already")?);
     }
@@ -322,15 +325,43 @@ mod tests {
     }
 
     #[test]
+    fn a_primary_outcome_whose_test_can_never_be_run_is_neither_frozen_nor_described() {
+        let (folder, path) = frozen();
+        let lock = folder.path().join(LOCK_FILE);
+        let declared = |test: &str| {
+            let _ = fs::remove_file(&lock);
+            let primary = format!(
+                "[[outcome]]\nmeasure = \"mean_velocity_mps\"\nprimary = true\ntest = \"{test}\"\ncontrast = [\"sporty\", \"calm\"]\n"
+            );
+            let text = format!("{STUDY}{primary}[[covariate]]\ncolumn = \"age\"\n");
+            fs::write(&path, text).unwrap();
+            let frozen = freeze(Some(&path), "2026-11-22").map(|_| ());
+            let described = stages::declare::describe(Some(&path), None).map(|_| ());
+            [frozen, described].map(|done| done.map_err(|e| e.to_string()))
+        };
+        assert_eq!(declared("mixed"), [Ok(()), Ok(())]);
+        for refused in declared("friedman") {
+            let refused = refused.unwrap_err();
+            assert!(
+                refused.contains("`outcome[1].test`") && refused.contains("[[covariate]] `age`"),
+                "{refused}"
+            );
+        }
+        assert!(!lock.exists());
+    }
+
+    #[test]
     fn a_change_after_freezing_is_said_with_its_reason() {
         let (_folder, path) = frozen();
         assert_eq!(said(&path)[0], "*Analysed as declared on 2026-11-22.*");
+        assert!(said(&path)[1].starts_with("*Of what this vouches*: that the design, "));
         let amended = STUDY.replace("= 300", "= 200");
         fs::write(&path, &amended).unwrap();
         assert_eq!(
             said(&path)[0],
             "*Not as declared on 2026-11-22.* `exclude.drive_shorter_than_s`: was 300, is 200: no reason was given."
         );
+        assert!(said(&path)[1].contains(": that all else of the design, "));
         let why = "[amendments]\n\"exclude.drive_shorter_than_s\" = \"the route was shorter\"\n";
         fs::write(&path, format!("{amended}{why}")).unwrap();
         assert!(said(&path)[0].ends_with("is 200: the route was shorter."));

@@ -16,6 +16,7 @@ mod pattern;
 mod sheets;
 mod suggest;
 mod wide;
+mod word_in_name;
 mod workbook;
 
 pub(crate) use export::{column_of_people, has_row_of, refuse_export, told_as_export};
@@ -68,8 +69,8 @@ pub struct Import {
     /// Propose what its columns mean, with every doubt as a comment, instead of importing
     #[arg(long, conflicts_with = "columns")]
     pub suggest: bool,
-    /// Answers to write: participant, moment, scale, item, answer, and seconds where they were measured; with --suggest the map of columns,
-    /// which is printed when not given
+    /// Answers to write: participant, moment, scale, item, answer, seconds where they were measured, and condition where something was
+    /// asked at the end; with --suggest the map of columns, which is printed when not given
     #[arg(long, required_unless_present = "suggest")]
     pub out: Option<PathBuf>,
 }

@@ -18,12 +18,12 @@ use crate::{
     stages::orders,
     tables::{
         TableName,
-        drives::{ExclusionRow, refuse_foreign, write_drive_list, write_drive_of},
+        drives::{ExclusionRow, former_drives, refuse_foreign, write_drive_list, write_drive_of},
         write_rows,
     },
 };
 use maveric_analysis::{Rule, Why};
-use maveric_domain::{Drive, DriveMeta, Sees, occasion::is_first};
+use maveric_domain::{Drive, DriveId, DriveMeta, Sees, occasion::is_first};
 use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -45,7 +45,7 @@ pub struct Ingest {
     /// Who takes part; the design's table when not given
     #[arg(long)]
     pub participants: Option<PathBuf>,
-    /// Folder to write into: one Parquet file a drive, drives.csv, exclusions.csv
+    /// Folder to write into: one Parquet file a drive, drives.csv, exclusions.csv; drives of an earlier call in it are removed
     #[arg(long)]
     pub out: PathBuf,
     /// What the columns of a table mean (TOML); needed for tables
@@ -90,6 +90,8 @@ pub struct FailedLog {
 /// A drive that the design does not let in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOutDrive {
+    /// The log's file.
+    pub log: PathBuf,
     /// Whose it is.
     pub meta: DriveMeta,
     /// How long it took, in s.
@@ -174,11 +176,11 @@ impl Stage for Ingest {
             orders_agree(study, self.participants.as_deref(), gate, &drives)?;
         }
         watch.check()?;
+        spare_logs(&self.out, &logs, &drives)?;
         refuse_foreign(&self.out, drives.iter().map(|d| d.meta.drive.as_str()))?;
         std::fs::create_dir_all(&self.out).map_err(StudyError::write(&self.out))?;
         for drive in &drives {
-            let place = self.out.join(format!("{}.parquet", drive.meta.drive));
-            put_in_place(&drive.file, &place)?;
+            put_in_place(&drive.file, &place_of(&self.out, &drive.meta.drive))?;
         }
         write_exclusions(&self.out, &drives, &left_out, &failed)?;
         drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
@@ -216,6 +218,30 @@ impl Stage for Ingest {
         };
         Ok(Outcome::new(value, summary, warnings))
     }
+}
+
+/// The file of a drive in a folder.
+fn place_of(folder: &Path, drive: &DriveId) -> PathBuf {
+    folder.join(format!("{drive}.parquet"))
+}
+
+/// Refuses to write a drive over a log, or to remove a drive of an earlier call that is a log of this one.
+///
+/// # Errors
+/// [`StudyError::BadFile`] naming the log.
+fn spare_logs(out: &Path, logs: &[logs::Log], drives: &[Written]) -> Result<(), StudyError> {
+    let former = former_drives(out, drives.iter().map(|d| d.meta.drive.as_str()));
+    let ids = drives.iter().map(|d| &d.meta.drive);
+    let places: Vec<PathBuf> = ids
+        .chain(&former)
+        .map(|drive| place_of(out, drive))
+        .collect();
+    // In a folder that is one log itself, Parquet is of an earlier call.
+    let files = logs
+        .iter()
+        .map(|log| &*log.path)
+        .filter(|log| log.is_file());
+    spare_inputs(files, places.iter().map(|place| &**place))
 }
 
 /// Writes the drives of a log aside; why there are none where the log is at fault.
@@ -284,20 +310,31 @@ fn some_let_in_and_none_twice(
     Ok(())
 }
 
-/// The drives that are let in, and the others with the reason.
+/// The drives that are let in, and the others with the reason. What is told of a whole log stays with the first of its drives that is in.
 fn sorted_out(
     written: impl Iterator<Item = Written>,
     gate: Option<&Gate>,
 ) -> (Vec<Written>, Vec<LeftOutDrive>) {
     let (mut drives, mut left_out) = (Vec::new(), Vec::new());
-    for drive in written {
+    let mut of_logs: BTreeMap<PathBuf, Vec<Warning>> = BTreeMap::new();
+    for mut drive in written {
         match gate.and_then(|gate| gate.drive(&drive.meta, drive.duration_s)) {
-            None => drives.push(drive),
-            Some(why) => left_out.push(LeftOutDrive {
-                meta: drive.meta,
-                duration_s: drive.duration_s,
-                why,
-            }),
+            None => {
+                let of_log = of_logs.remove(&drive.log);
+                drive.warnings.extend(of_log.into_iter().flatten());
+                drives.push(drive);
+            }
+            Some(why) => {
+                drive.warnings.retain(|warning| warning.of_file);
+                let of_log = of_logs.entry(drive.log.clone()).or_default();
+                of_log.append(&mut drive.warnings);
+                left_out.push(LeftOutDrive {
+                    log: drive.log,
+                    meta: drive.meta,
+                    duration_s: drive.duration_s,
+                    why,
+                });
+            }
         }
     }
     (drives, left_out)
@@ -367,7 +404,7 @@ fn write_exclusions(
     });
     let kept_out = left_out.iter().map(|out| ExclusionRow {
         drive: out.meta.drive.to_string(),
-        log: String::new(),
+        log: name(&out.log),
         what: out.why.to_string(),
         count: 1,
         participant: out.meta.participant.to_string(),

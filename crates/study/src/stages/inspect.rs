@@ -377,6 +377,33 @@ mod tests {
     use maveric_ingest::Mapping;
 
     #[test]
+    fn a_drive_as_this_program_writes_it_is_known_by_its_columns() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("P01-calm.csv");
+        let proposed = |heads: &str| {
+            let row = |i: u32| format!("{},{},20,25,19\n", f64::from(i) / 20.0, i);
+            let rows: String = (0..100).map(row).collect();
+            std::fs::write(&path, format!("{heads}\n{rows}")).unwrap();
+            suggest_mapping(&path).unwrap()
+        };
+        let ours = proposed("time_s,ego_x_m,ego_speed_mps,lead_dx_m,lead_speed_mps");
+        for said in [
+            "study_data/mappings/ours.toml",
+            "Read by it: 1 drives, 100 rows",
+            "gap = \"lead_dx_m\"",
+            "# participant = ",
+        ] {
+            assert!(ours.contains(said), "{said} in {ours}");
+        }
+        let mapping = folder.path().join("mapping.toml");
+        std::fs::write(&mapping, ours).unwrap();
+        assert!(Mapping::read(&mapping).is_ok());
+        // Without a column that it asks for it is a table like another.
+        let other = proposed("time_s,ego_x_m,ego_speed_mps,lead_dx_m,speed_ahead");
+        assert!(!other.contains("ours.toml"), "{other}");
+    }
+
+    #[test]
     fn a_proposal_is_written_as_a_file_of_its_own_and_never_over_one_that_is_there() {
         let folder = tempfile::tempdir().unwrap();
         let (table, into) = (

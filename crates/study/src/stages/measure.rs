@@ -118,7 +118,9 @@ impl Stage for Measure {
             without.count()
         };
         let missing: Vec<usize> = measures.iter().map(missing).collect();
-        let mut warnings = why_missing(&measures, &missing, rows.len());
+        let uncounted = parts.iter().filter(|(_, part)| part.is_too_little());
+        let uncounted: BTreeSet<usize> = uncounted.map(|(at, _)| *at).collect();
+        let mut warnings = why_missing(&measures, &rows, &uncounted);
         warnings.extend(cut);
         let out = left_out.iter();
         let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
@@ -295,20 +297,28 @@ fn measures_of(study: Option<&DesignFile>) -> Vec<&'static objective::Measure> {
     measures.chain(objective::met()).collect()
 }
 
-/// How many drives have no value of each measure, and why that may be.
-fn why_missing(measures: &[&objective::Measure], missing: &[usize], drives: usize) -> Vec<String> {
-    let missed = measures
-        .iter()
-        .zip(missing)
-        .filter(|(_, count)| **count > 0);
-    let warnings = missed.map(|(m, count)| {
-        format!(
-            "{count} of {drives} drives have no {}: {}",
-            m.title.to_lowercase(),
-            m.why_missing
-        )
-    });
-    warnings.collect()
+/// How many drives have no value of each measure, and why that may be; of those of which too little is comparable each has its own sentence.
+fn why_missing(
+    measures: &[&objective::Measure],
+    rows: &[MeasuredDrive],
+    uncounted: &BTreeSet<usize>,
+) -> Vec<String> {
+    let warning = |m: &&objective::Measure| {
+        let without = rows.iter().enumerate().filter(|(at, row)| {
+            row.values[m.name].is_none() && !(m.grows && uncounted.contains(at))
+        });
+        let count = without.count();
+        let sentence = || {
+            format!(
+                "{count} of {} drives have no {}: {}",
+                rows.len(),
+                m.title.to_lowercase(),
+                m.why_missing
+            )
+        };
+        (count > 0).then(sentence)
+    };
+    measures.iter().filter_map(warning).collect()
 }
 
 /// A drive that is not compared whole, and the part of it that is.

@@ -37,26 +37,70 @@ use std::collections::BTreeMap;
 pub fn versions() -> BTreeMap<String, String> {
     [
         ("generate", 5),
-        ("import", 4),
-        ("codebook", 3),
-        ("export", 8),
-        ("ingest", 14),
-        ("score", 9),
+        ("import", 5),
+        ("codebook", 4),
+        ("export", 9),
+        ("ingest", 15),
+        ("score", 10),
         ("train", 11),
         ("personalize", 10),
         ("steer", 9),
         ("simulate", 11),
         ("measure", 8),
         ("rate", 5),
-        ("evaluate", 10),
-        ("stats", 18),
-        ("ablate", 10),
-        ("validate", 14),
+        ("evaluate", 11),
+        ("stats", 19),
+        ("ablate", 11),
+        ("validate", 15),
         ("recommend", 6),
-        ("rehearse", 11),
+        ("rehearse", 12),
         ("rehearse-dial", 7),
-        ("report", 21),
+        ("report", 22),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()
+}
+
+/// The commands of [`versions`] with figures among what they make.
+const DRAWING: [&str; 7] = [
+    "evaluate",
+    "stats",
+    "ablate",
+    "validate",
+    "rehearse",
+    "rehearse-dial",
+    "report",
+];
+
+/// [`versions`] where every figure looks as a style says, of which `hash` is the hash: what draws makes something else with another.
+pub fn versions_in_style(hash: &str) -> BTreeMap<String, String> {
+    let short = hash.get(..8).unwrap_or(hash);
+    let mut versions = versions();
+    for command in DRAWING {
+        if let Some(version) = versions.get_mut(command) {
+            *version = format!("{version}, style {short}");
+        }
+    }
+    versions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_style_counts_where_figures_are_drawn_and_nowhere_else() {
+        let (plain, one, other) = (
+            versions(),
+            versions_in_style("0123456789"),
+            versions_in_style("abcdef0123"),
+        );
+        assert!(DRAWING.iter().all(|command| plain.contains_key(*command)));
+        for (command, version) in &plain {
+            let draws = DRAWING.contains(&command.as_str());
+            assert_eq!(*version != one[command], draws, "{command}");
+            assert_eq!(one[command] != other[command], draws, "{command}");
+        }
+        assert!(one["report"].ends_with(", style 01234567"));
+    }
 }

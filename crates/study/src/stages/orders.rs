@@ -10,7 +10,7 @@ use crate::{
 use maveric_analysis::OrderBalance;
 use maveric_domain::{
     ConditionId,
-    design::{OrderPlan, Square},
+    design::{Condition, OrderPlan, Square},
 };
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -66,6 +66,13 @@ pub fn orders(
     } else {
         Square::Williams
     };
+    let is_crossed = |c: &Condition| !c.levels.is_empty();
+    if options.blocks.is_some() && !study.design.conditions().iter().any(is_crossed) {
+        let problem =
+            "`--blocks` is given a factor of the conditions, and no condition has `levels`";
+        let help = "write the `levels` of each condition into the design, such as levels = { traffic = \"jam\" }, or leave `--blocks` out";
+        return Err(StudyError::not_possible(problem).with_help(help));
+    }
     let plan = OrderPlan::new(&study.design, square, options.blocks.as_deref())
         .map_err(|error| study.wrong(error.to_string(), error.suggestion()))?;
     if study.design.conditions().len() < 2 {
@@ -328,6 +335,33 @@ mod tests {
                 .unwrap_err()
                 .contains("expected 1 to 10000")
         );
+    }
+
+    #[test]
+    fn blocks_of_conditions_that_have_no_levels_are_refused_by_the_option_that_asks_for_them() {
+        let folder = Folder::new();
+        let in_blocks = |design: &str, factor: &str| {
+            folder.write("study.toml", design);
+            let asked = Orders {
+                people: Some(8),
+                latin: false,
+                blocks: Some(factor.to_owned()),
+                out: Some(folder.0.path().join(format!("{factor}.csv"))),
+            };
+            let design = folder.0.path().join("study.toml");
+            orders(Some(&design), &asked).map_err(|e| e.to_string())
+        };
+        let plain =
+            "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n[[condition]]\nid = \"b\"\n";
+        let error = in_blocks(plain, "road").unwrap_err();
+        assert!(
+            error.starts_with("`--blocks`") && error.ends_with("no condition has `levels`"),
+            "{error}"
+        );
+        let crossed = DESIGN.replace("[[factor]]\ncolumn = \"city\"\n", "");
+        assert!(in_blocks(&crossed, "road").is_ok());
+        let error = in_blocks(&crossed, "rode").unwrap_err();
+        assert!(error.contains("found `rode`"), "{error}");
     }
 
     #[test]

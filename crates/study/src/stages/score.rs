@@ -21,7 +21,8 @@ use crate::{
 };
 pub use item_means::ItemMean;
 use item_means::item_means;
-use left_out::{Expected, exclusions, let_in, line};
+pub(crate) use left_out::of_answers;
+use left_out::{Expected, exclusions, let_in, line, nothing_to_score};
 use maveric_domain::{Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix,
@@ -142,9 +143,10 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .filter(|((_, m), _)| counts(*m))
         .map(|((who, _), row)| (who.to_string(), row))
         .unzip();
-    let columns: Vec<Vec<Option<f64>>> = (0..names.len())
-        .map(|i| sheets.iter().map(|row| row[i]).collect())
-        .collect();
+    let column_of = |sheets: &[&Vec<Option<f64>>], item: usize| {
+        sheets.iter().map(|row| row[item]).collect::<Vec<_>>()
+    };
+    let columns: Vec<Vec<Option<f64>>> = (0..names.len()).map(|i| column_of(&sheets, i)).collect();
     let items: Vec<(&str, &[Option<f64>])> = names
         .iter()
         .zip(&columns)
@@ -160,8 +162,10 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
     let analysis = maveric_stats::alpha(&items, Some(&people)).ok();
     let analysis = analysis.filter(|_| matrix.items.iter().all(rates));
     let alpha = analysis.as_ref().map(|a| &a.alpha);
-    let is_complete = |row: &&&Vec<Option<f64>>| row.iter().all(Option::is_some);
-    let complete = sheets.iter().filter(is_complete).count();
+    let is_complete = |row: &&Vec<Option<f64>>| row.iter().all(Option::is_some);
+    let complete: Vec<&Vec<Option<f64>>> = sheets.iter().copied().filter(is_complete).collect();
+    let complete_columns: Vec<Vec<Option<f64>>> =
+        (0..names.len()).map(|i| column_of(&complete, i)).collect();
     let values: Vec<f64> = scores
         .iter()
         .filter(|s| s.scale == matrix.scale && s.subscale == matrix.subscale && counts(s.moment))
@@ -176,8 +180,8 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         scale: matrix.scale.clone(),
         subscale: matrix.subscale.clone(),
         items: matrix.items.len(),
-        n: complete,
-        dropped: sheets.len() - complete,
+        n: complete.len(),
+        dropped: sheets.len() - complete.len(),
         people: analysis.as_ref().and_then(|a| a.people),
         alpha: alpha.and_then(|a| a.raw),
         ci_low: alpha.and_then(|a| a.ci.low),
@@ -189,7 +193,9 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         ceiling: ends.map_or(0, |(_, high)| count_at(high)),
         item: scale
             .zip(subscale)
-            .map(|(scale, subscale)| item_parts(scale, subscale, &columns, analysis.as_ref()))
+            .map(|(scale, subscale)| {
+                item_parts(scale, subscale, &complete_columns, analysis.as_ref())
+            })
             .unwrap_or_default(),
     }
 }
@@ -261,15 +267,18 @@ impl Stage for ScoreAnswers {
             probes.extend(answered.probes);
             times.extend(answered.times);
         }
+        let nothing_given = answers.is_empty() && probes.is_empty();
         if self.moments == Moments::After {
-            answers.retain(|a| a.moment != Moment::Pre);
-            times.retain(|t| t.moment != Moment::Pre);
+            answers.retain(|a| a.moment.ride().is_some());
+            times.retain(|t| t.moment.ride().is_some());
         }
         watch.check()?;
         let collected = (&mut answers, &mut probes, &mut times);
         let (left_out, gate) = let_in(study.as_ref(), self, &scales, collected)?;
-        if answers.is_empty() && probes.is_empty() {
-            return Err(StudyError::not_possible("the surveys hold no answers"));
+        let nothing_let_in = answers.is_empty() && probes.is_empty();
+        // Rides may not have been rated yet, or not at all: then the tables are empty.
+        if nothing_let_in && (nothing_given || self.moments == Moments::All) {
+            return Err(nothing_to_score(&left_out));
         }
         let participants: Option<Vec<ParticipantId>> = self
             .participants
@@ -317,6 +326,9 @@ impl Stage for ScoreAnswers {
             scored.scores.len(),
             self.out.to_slash_lossy()
         )];
+        if nothing_let_in && left_out.is_empty() {
+            summary.push("no answers after a drive".to_owned());
+        }
         summary.extend(counted(
             ["sheet of answers", "sheets of answers"],
             left_out.keys().map(|(.., why)| why),

@@ -78,6 +78,7 @@ impl TableBuilder {
             frame,
             decimal_comma: false,
             origin: None,
+            stacked: None,
         })
     }
 

@@ -1,6 +1,6 @@
 //! Rows of a table picked out, told apart and put under each other.
 
-use super::Table;
+use super::{Table, table::Stacked};
 use crate::{error::StudyError, once::first_names};
 use path_slash::PathExt as _;
 use polars::prelude::*;
@@ -67,11 +67,13 @@ impl Table {
             frame,
             decimal_comma: self.decimal_comma,
             origin: Some(origin),
+            // Its rows are no longer one after the other.
+            stacked: None,
         })
     }
 
-    /// A row a cell: the columns of conditions under each other, named in `within` with their numbers in `value`; the other columns
-    /// are repeated. `subject` names a column to be added that numbers the rows of before from 1.
+    /// A row a cell: the columns of conditions under each other, named in `within` with their cells in `value`; the other columns
+    /// are repeated. `subject` names a column to be added that numbers the rows of before from 1. What the cells are is for their reader to say.
     pub(crate) fn melted(
         &self,
         conditions: &[String],
@@ -80,10 +82,15 @@ impl Table {
         subject: Option<&str>,
     ) -> Result<Self, StudyError> {
         let (rows, k) = (self.rows(), conditions.len());
-        let values: Vec<Vec<Option<f64>>> = conditions
-            .iter()
-            .map(|name| self.numbers(name))
-            .collect::<Result<_, _>>()?;
+        let mut are_numbers = true;
+        for name in conditions {
+            are_numbers &= self.column(name)?.dtype().is_primitive_numeric();
+        }
+        let stacked = if are_numbers {
+            Column::new(value.into(), under(conditions, |name| self.numbers(name))?)
+        } else {
+            Column::new(value.into(), under(conditions, |name| self.text(name))?)
+        };
         let mut columns = Vec::new();
         for name in self
             .columns()
@@ -101,22 +108,60 @@ impl Table {
         }
         let names: Vec<&str> = (0..rows * k).map(|i| conditions[i % k].as_str()).collect();
         columns.push(Column::new(within.into(), names));
-        let numbers: Vec<Option<f64>> = (0..rows * k).map(|i| values[i % k][i / k]).collect();
-        columns.push(Column::new(value.into(), numbers));
+        columns.push(stacked);
         let frame = DataFrame::new(rows * k, columns).map_err(|e| self.bad_column(value, &e))?;
         Ok(Self {
             path: self.path.clone(),
             frame,
             decimal_comma: self.decimal_comma,
             origin: Some((0..rows * k).map(|i| self.origin(i / k)).collect()),
+            stacked: Some(Stacked {
+                value: value.to_owned(),
+                columns: conditions.to_vec(),
+            }),
         })
     }
+}
+
+/// The cells of these columns, one row after the other.
+fn under<T: Clone>(
+    columns: &[String],
+    cells: impl Fn(&str) -> Result<Vec<Option<T>>, StudyError>,
+) -> Result<Vec<Option<T>>, StudyError> {
+    let columns: Vec<Vec<Option<T>>> = columns
+        .iter()
+        .map(|name| cells(name))
+        .collect::<Result<_, _>>()?;
+    let rows = columns.first().map_or(0, Vec::len);
+    let row = |row: usize| columns.iter().map(move |column| column[row].clone());
+    Ok((0..rows).flat_map(row).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::path::Path;
+
+    #[test]
+    fn columns_under_each_other_keep_their_cells_and_a_fault_names_the_column_of_the_file() {
+        let text = "who,slow,fast\nA,yes,no\nB,,maybe\n";
+        let wide = Table::parse(Path::new("t.csv"), text.as_bytes().to_vec()).unwrap();
+        let conditions = ["slow", "fast"].map(str::to_owned);
+        let long = wide.melted(&conditions, "pace", "seen", None).unwrap();
+        let cells = long.text("seen").unwrap();
+        let cells: Vec<&str> = cells.iter().map(|c| c.as_deref().unwrap_or("-")).collect();
+        assert_eq!(cells, ["yes", "no", "-", "maybe"]);
+        let error = long.bad_cell(3, "seen", "maybe", "yes or no").to_string();
+        let expected = "t.csv: row 2, column `fast`: found `maybe`, expected yes or no";
+        assert_eq!(error, expected);
+        let other = long.bad_cell(3, "who", "B", "an id").to_string();
+        assert!(other.contains("row 2, column `who`"), "{other}");
+        let text = "who,slow,fast\nA,1,2.5\nB,,0.1\n";
+        let wide = Table::parse(Path::new("t.csv"), text.as_bytes().to_vec()).unwrap();
+        let long = wide.melted(&conditions, "pace", "speed", None).unwrap();
+        let numbers = long.numbers("speed").unwrap();
+        assert_eq!(numbers, [Some(1.0), Some(2.5), None, Some(0.1)]);
+    }
 
     #[test]
     fn two_rows_of_one_key_are_refused_by_both_their_numbers() {

@@ -255,10 +255,20 @@ pub fn write_answers(
     answers: &[Answer],
     probes: &[ProbeAnswer],
 ) -> Result<(), StudyError> {
-    if probes.is_empty() && answers.iter().all(|a| a.moment != Moment::Post) {
-        return write_moments(TableName::Answers, path, answers, |a| &mut a.moment);
+    let alone: Vec<(Answer, ())> = answers.iter().cloned().map(|a| (a, ())).collect();
+    write_answers_with(path, &alone, probes)
+}
+
+/// As [`write_answers`]; each answer with more cells of its row.
+pub(crate) fn write_answers_with<C: Clone + Serialize>(
+    path: &Path,
+    answers: &[(Answer, C)],
+    probes: &[ProbeAnswer],
+) -> Result<(), StudyError> {
+    if probes.is_empty() && answers.iter().all(|(a, _)| a.moment != Moment::Post) {
+        return write_moments(TableName::Answers, path, answers, |(a, _)| &mut a.moment);
     }
-    let sheets = answers.iter().map(|a| {
+    let sheets = answers.iter().map(|(a, more)| {
         let ride = a.moment.ride();
         let row = Row {
             participant: &a.participant,
@@ -269,7 +279,8 @@ pub fn write_answers(
             answer: a.answer,
             at_s: None,
         };
-        (row, ride.map_or(Occasion::FIRST, |ride| ride.occasion))
+        let occasion = ride.map_or(Occasion::FIRST, |ride| ride.occasion);
+        (row, occasion, Some(more))
     });
     let probes = probes.iter().map(|p| {
         let row = Row {
@@ -281,7 +292,7 @@ pub fn write_answers(
             answer: p.answer,
             at_s: Some(p.at_s),
         };
-        (row, p.ride.occasion)
+        (row, p.ride.occasion, None)
     });
     write_rows(TableName::Answers, path, sheets.chain(probes))
 }

@@ -17,6 +17,17 @@ pub struct Table {
     pub(super) decimal_comma: bool,
     /// Which rows of the file its rows were, where these are not all of them in order.
     pub(super) origin: Option<Vec<usize>>,
+    /// Which columns of the file were put under each other, if any.
+    pub(super) stacked: Option<Stacked>,
+}
+
+/// A column that several of the file were put into: row after row of the file, its cells in the order of the columns.
+#[derive(Debug, Clone)]
+pub(super) struct Stacked {
+    /// The column that they became.
+    pub(super) value: String,
+    /// Their names in the file.
+    pub(super) columns: Vec<String>,
 }
 
 pub(super) fn is_parquet(path: &Path) -> bool {
@@ -88,6 +99,7 @@ impl Table {
             frame,
             decimal_comma,
             origin: None,
+            stacked: None,
         })
     }
 
@@ -125,7 +137,7 @@ impl Table {
     }
 
     /// A column; of two of one name nobody knows which is meant.
-    fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
+    pub(super) fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
         let again = format!("{wanted} (column ");
         let columns = self.columns();
         if let Some(second) = columns.iter().find_map(|c| c.strip_prefix(&again)) {
@@ -162,7 +174,7 @@ impl Table {
         StudyError::file(&self.path, problem)
     }
 
-    /// A fault in a cell; `row` counts from 0 here and from 1 in the message.
+    /// A fault in a cell, by the row and the column of the file; `row` counts from 0 here and from 1 in the message.
     pub(crate) fn bad_cell(
         &self,
         row: usize,
@@ -170,10 +182,12 @@ impl Table {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> StudyError {
+        let stacked = self.stacked.as_ref().filter(|s| s.value == column);
+        let of_file = stacked.and_then(|s| s.columns.get(row % s.columns.len()));
         StudyError::BadCell {
             path: self.path.clone(),
             row: self.origin(row) + 1,
-            column: column.to_owned(),
+            column: of_file.map_or(column, String::as_str).to_owned(),
             found: found.into(),
             expected: expected.into(),
         }

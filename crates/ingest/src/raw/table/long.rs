@@ -23,7 +23,7 @@ use vehicles::{Frame, Vehicle, vehicles};
 /// Positions become those of centres, y grows to the left of the way that ego drives. Ego's leader is what its own row says
 /// of it (`lead_x` or `gap`), where it does; everybody else is there by their own rows at the same time.
 pub(super) fn read(
-    mut log: TableLog<'_>,
+    log: &mut TableLog<'_>,
     long: &Long,
     sources: &mut Vec<Source>,
 ) -> Result<Vec<TableDrive>, IngestError> {
@@ -41,14 +41,19 @@ pub(super) fn read(
         groups,
         left_out,
         ..
-    } = read_rows(&mut log, long, clock)?;
+    } = read_rows(log, long, clock)?;
     let frame = Frame {
         y_left: long.y_grows.map_or(1.0, Side::to_left),
         lanes: Lanes::new(mapping, road, long.offset_grows),
         mapping,
         long,
     };
+    let (in_lanes, places) = (rows.iter().map(|r| r.lane), rows.iter().map(|r| r.offset));
+    log.warnings
+        .extend(frame.lanes.doubts(path, in_lanes, places)?);
     let fleet = vehicles(rows, &frame, log.max_gap_s);
+    log.warnings
+        .extend(without_speed(path, &fleet.vehicles, &ids));
     let c = &long.columns;
     let view = match (c.lead_id.is_some(), c.heading.is_some()) {
         (true, true) => View::LeaderInBends,
@@ -105,14 +110,30 @@ pub(super) fn read(
             gaps: gaps(vehicle),
         });
     }
-    if let Some(first) = drives.first_mut() {
-        let what = "rows without time, vehicle or position are left out";
-        let kind = WarningKind::MissingValue;
-        report(&mut first.warnings, path, kind, left_out, what);
-        let what = "vehicles with a single row are no drive";
-        report(&mut first.warnings, path, kind, alone, what);
-    }
+    let what = "rows without time, vehicle or position are left out";
+    let kind = WarningKind::MissingValue;
+    report(&mut log.warnings, path, kind, left_out, what);
+    let what = "vehicles with a single row are no drive";
+    report(&mut log.warnings, path, kind, alone, what);
     Ok(drives)
+}
+
+/// Says of how many rows the speed is that of positions, since their cells hold none.
+fn without_speed(path: &Path, vehicles: &[Vehicle], ids: &[String]) -> Option<Warning> {
+    let without = vehicles.iter().filter(|v| v.differentiated > 0);
+    let first = without.clone().next()?;
+    let rows = without.clone().map(|v| v.differentiated).sum();
+    let whose = match without.count() {
+        1 => format!("vehicle {}", name_of(first, ids)),
+        several => format!(
+            "{several} vehicles, the first of them {},",
+            name_of(first, ids)
+        ),
+    };
+    let what = format!(
+        "rows of {whose} hold no speed: it is differentiated from the positions, in drives of others too"
+    );
+    Some(Warning::new(path, WarningKind::Default, rows, what))
 }
 
 /// The gaps that a vehicle's own rows say, in the frame in which they say them.

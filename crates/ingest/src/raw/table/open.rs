@@ -2,11 +2,14 @@
 
 use super::{
     cells::{NUMBER, number, trimmed, word},
+    ending_early::ending_early,
     ids::numbered,
     parse::{BYTE_ORDER_MARK, parse, without_mark},
-    text::{Header, MOST_COLUMNS, SEPARATORS, Style, blanks_to_tabs, flaw, header, same_name},
+    text::{
+        Header, MOST_COLUMNS, SEPARATORS, Style, blanks_to_tabs, header, same_name, short_rows,
+    },
 };
-use crate::{error::IngestError, foreign::foreign_text, parquet};
+use crate::{error::IngestError, foreign::foreign_text, parquet, quality::Warning};
 use maveric_domain::nearest;
 use path_slash::PathExt as _;
 use polars::prelude::{Column, DataFrame, DataType, PolarsError};
@@ -40,6 +43,8 @@ pub(crate) struct Table {
     decimal_comma: bool,
     /// The files that follow, where a recording was split, each with the row at which it begins.
     parts: Vec<(usize, PathBuf)>,
+    /// What is to be told of its rows.
+    warnings: Vec<Warning>,
 }
 
 impl Table {
@@ -96,6 +101,7 @@ impl Table {
             columns.push(above);
         }
         self.parts.push((self.rows(), part.path.clone()));
+        self.warnings.extend_from_slice(&part.warnings);
         let rows = self.rows() + part.rows();
         self.frame =
             DataFrame::new(rows, columns).map_err(|e| part.bad(parquet::first_line(&e)))?;
@@ -139,6 +145,7 @@ impl Table {
             frame: DataFrame::default(),
             decimal_comma: style.decimal_comma,
             parts: Vec::new(),
+            warnings: Vec::new(),
         };
         if parquet::is_parquet(&bytes) {
             table.read_parquet(bytes, wanted)?;
@@ -218,9 +225,8 @@ impl Table {
                 "its header has the column `{name}` twice: columns {first} and {second}"
             )));
         }
-        if let Some(flaw) = flaw(bytes, header) {
-            return Err(self.bad(flaw.sentence(header.names.len())));
-        }
+        let short = short_rows(bytes, header)
+            .map_err(|flaw| self.bad(flaw.sentence(header.names.len())))?;
         let names: Vec<&str> = columns.iter().map(|c| c.0.as_str()).collect();
         let read = |numbers: bool| {
             let kind = |name: &str| match columns.iter().find(|(c, _)| c == name) {
@@ -245,7 +251,21 @@ impl Table {
                 })
             })?,
         };
+        let places = columns
+            .iter()
+            .filter_map(|(name, _)| header.names.iter().position(|n| n == name));
+        let (rows, needed) = (self.rows(), places.max().map_or(0, |last| last + 1));
+        let (warnings, is_cut) = ending_early(&self.path, &short, rows, header.names.len(), needed);
+        self.warnings = warnings;
+        if is_cut {
+            self.frame = self.frame.head(Some(rows - 1));
+        }
         Ok(())
+    }
+
+    /// What is to be told of its rows: those that end early.
+    pub(crate) fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     fn read_parquet(&mut self, bytes: Vec<u8>, wanted: &[(&str, Kind)]) -> Result<(), IngestError> {
@@ -433,11 +453,17 @@ impl Table {
     /// # Errors
     /// [`IngestError::BadTable`] for a column that has no words.
     pub(crate) fn words(&self, name: &str) -> Result<Vec<Option<String>>, IngestError> {
-        let texts = self
-            .column(name)?
-            .cast(&DataType::String)
-            .map_err(|e| self.unreadable(name, &e))?;
-        let texts = texts.str().map_err(|e| self.unreadable(name, &e))?;
+        let column = self.column(name)?;
+        let unreadable = |e: PolarsError| self.unreadable(name, &e);
+        let texts = match column.dtype() {
+            // An instant, whatever zone it is shown in: told in UTC, as which times without a zone are read.
+            DataType::Datetime(unit, Some(_)) => column
+                .cast(&DataType::Datetime(*unit, None))
+                .and_then(|utc| utc.cast(&DataType::String)),
+            _ => column.cast(&DataType::String),
+        };
+        let texts = texts.map_err(unreadable)?;
+        let texts = texts.str().map_err(unreadable)?;
         Ok(texts.iter().map(|cell| word(trimmed(cell))).collect())
     }
 

@@ -4,12 +4,15 @@ use super::{TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps};
 use crate::{
     error::IngestError,
     mapping::{GapKind, Pair, Point},
+    plausible::MOVING_MPS,
     quality::{WarningKind, report},
     raw::{EgoSamples, LEADER, ObjectSample, PairRows, RawDrive},
 };
 use maveric_domain::Sees;
 use std::{collections::BTreeMap, path::Path};
 
+/// Gaps and speeds of less are 0, in m and m/s.
+const NOTHING: f64 = 1e-9;
 /// Leaders without a number whose lengths differ by less are of one length, in m.
 const SAME_LENGTH_M: f64 = 1.0;
 
@@ -58,7 +61,7 @@ pub(super) struct Couple {
 }
 
 /// Reads a file of one pair.
-pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, IngestError> {
+pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, IngestError> {
     let (mapping, names, clock) = (log.mapping, &pair.columns, log.clock());
     let given = mapping.layout.columns();
     let mut wanted = vec![(names.time.as_str(), clock.kind())];
@@ -105,6 +108,10 @@ pub(super) fn read(mut log: TableLog<'_>, pair: &Pair) -> Result<TableDrive, Ing
     };
     let lanes = Lanes::new(mapping, log.road, pair.offset_grows);
     let (lane, offset) = (column(&names.lane, 1.0)?, column(&names.offset, 1.0)?);
+    let numbers = lane.iter().flatten().copied();
+    let places = offset.iter().flatten().copied();
+    log.warnings
+        .extend(lanes.doubts(log.path, numbers, places)?);
     let couple = Couple {
         stamp_ns: stamps(&table, &names.time, clock)?,
         ego_x_m,
@@ -216,10 +223,31 @@ pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
     report(&mut drive.warnings, path, kind, without_ego, what);
     let what = "rows without gap or speed of the leader have no leader";
     report(&mut drive.warnings, path, kind, with_leader.without, what);
+    let what = "rows with a gap and a speed of the leader of 0 have no leader: ego drives in some of them, so that 0 stands for nobody ahead";
+    report(&mut drive.warnings, path, kind, with_leader.nobody, what);
     drive
 }
 
 impl Couple {
+    /// Who is ahead in a row, by its number.
+    fn lead_id(&self, row: usize) -> Option<u32> {
+        self.lead_id.as_ref().map_or(Some(LEADER), |ids| ids[row])
+    }
+
+    /// Whether gap and speed of the leader are 0 in a row: it stands at ego's bumper, or is nobody.
+    fn is_zero(&self, row: usize) -> bool {
+        let is_nothing = |column: &[f64]| column[row].abs() < NOTHING;
+        let speed_mps = self.lead_speed_mps.as_deref();
+        let is_there = !self.signed && self.lead_id(row).is_some();
+        is_there && is_nothing(&self.gap_m) && speed_mps.is_some_and(is_nothing)
+    }
+
+    /// Whether 0 stands for nobody ahead: in some row the leader would stand at the bumper of a car that drives.
+    fn has_zero_for_nobody(&self) -> bool {
+        let drives = |row: usize| self.ego_speed_mps[row] > MOVING_MPS;
+        (0..self.stamp_ns.len()).any(|row| drives(row) && self.is_zero(row))
+    }
+
     /// Ego's time in a row, where it has time, position and speed.
     fn ego_ns(&self, row: usize) -> Option<i64> {
         let x_m = self.ego_x_m.as_ref().map_or(0.0, |x| x[row]);
@@ -232,6 +260,8 @@ impl Couple {
 struct WithLeader {
     /// Rows of ego that tell of a leader too little to know where it was.
     without: usize,
+    /// Rows of ego in which 0 stands for nobody.
+    nobody: usize,
     /// Whether it was behind ego once.
     passed: bool,
 }
@@ -239,11 +269,11 @@ struct WithLeader {
 /// Takes the leader's rows, in which ego is too, into a drive.
 fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
     let mut with_leader = WithLeader::default();
+    let zero_is_nobody = couple.has_zero_for_nobody();
     let objects = &mut drive.raw.objects;
     objects.reserve_exact(couple.stamp_ns.len());
     for row in 0..couple.stamp_ns.len() {
-        let id = couple.lead_id.as_ref().map_or(Some(LEADER), |ids| ids[row]);
-        let (Some(stamp_ns), Some(id)) = (couple.ego_ns(row), id) else {
+        let (Some(stamp_ns), Some(id)) = (couple.ego_ns(row), couple.lead_id(row)) else {
             continue;
         };
         let (gap_m, length_m) = (couple.gap_m[row], couple.lead_length_m[row]);
@@ -254,6 +284,10 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
         let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
         if !x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
             with_leader.without += 1;
+            continue;
+        }
+        if zero_is_nobody && couple.is_zero(row) {
+            with_leader.nobody += 1;
             continue;
         }
         with_leader.passed |= behind;

@@ -10,7 +10,7 @@ use std::{io::Cursor, sync::Arc};
 /// What some programs begin a text in UTF-8 with.
 pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Reads the rows of a text below its header, in which [`super::text::flaw`] found none: `names` of its columns, or all.
+/// Reads the rows of a text below its header, in which [`super::text::short_rows`] found no flaw: `names` of its columns, or all.
 ///
 /// # Errors
 /// What polars says.

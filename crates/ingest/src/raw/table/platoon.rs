@@ -19,7 +19,7 @@ const MOST_VEHICLES: usize = 99;
 ///
 /// The gap in column n is between vehicle n and vehicle n + 1.
 pub(super) fn read(
-    mut log: TableLog<'_>,
+    log: &mut TableLog<'_>,
     platoon: &Platoon,
 ) -> Result<Vec<TableDrive>, IngestError> {
     let (mapping, columns, clock) = (log.mapping, &platoon.columns, log.clock());
@@ -57,6 +57,13 @@ pub(super) fn read(
         let known = Lane::known_by(false, lane.is_some(), offset.is_some());
         Ok((lanes.across_m(lane.as_deref(), offset.as_deref()), known))
     };
+    let (mut numbers, mut places) = (Vec::new(), Vec::new());
+    for n in (1..=MOST_VEHICLES).take_while(|n| table.has(&column(speed, *n))) {
+        numbers.extend(some(&columns.lane, n, 1.0)?.into_iter().flatten());
+        places.extend(some(&columns.offset, n, 1.0)?.into_iter().flatten());
+    }
+    log.warnings
+        .extend(lanes.doubts(log.path, numbers, places)?);
     let stamp_ns = stamps(&table, &columns.time, clock)?;
     let mut drives = Vec::new();
     for lead in 1..MOST_VEHICLES {

@@ -34,12 +34,13 @@ const SHORT_S: f64 = 60.0;
 /// # Errors
 /// As [`crate::read_log`], naming the signal's file.
 pub(super) fn read(
-    log: TableLog<'_>,
+    log: &mut TableLog<'_>,
     signals: &Signals,
     sources: &mut Vec<Source>,
 ) -> Result<TableDrive, IngestError> {
     let (mapping, road, max_gap_s) = (log.mapping, log.road, log.max_gap_s);
-    let mut files = Files::new(log, sources);
+    let table = std::mem::take(&mut log.files);
+    let mut files = Files::new(log, table, sources);
     let log = files.log;
     let to_mps = mapping.units.speed.metres_per_second();
     let mut warnings = Vec::new();
@@ -70,12 +71,14 @@ pub(super) fn read(
     if let Some((first, last)) = driven.ends_ns()
         && ((last - first) as f64) < SHORT_S * 1e9
     {
-        let seconds = (last - first) as f64 / 1e9;
+        // Cut and not rounded: 59.95 s are not 60.
+        let seconds = ((last - first) as f64 / 1e8).floor() / 10.0;
         let what = format!(
             "the drive is {seconds:.1} s long, shorter than {SHORT_S} s: it shows few habits"
         );
         report(&mut warnings, log, WarningKind::Noted, 1, &what);
     }
+    warnings.append(&mut files.warnings);
     Ok(TableDrive {
         road,
         raw: RawDrive {

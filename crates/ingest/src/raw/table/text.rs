@@ -2,6 +2,7 @@
 
 use crate::mapping::TableMapping;
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// Lines that may stand above the header.
 const MOST_PREAMBLE: usize = 64;
@@ -167,7 +168,7 @@ struct RowEnd<'a> {
     nth: usize,
     /// Lines above its end: a quoted cell may have several.
     lines: usize,
-    /// Its cells.
+    /// How many cells it has.
     cells: usize,
     /// All of it, and its last cell.
     whole: &'a [u8],
@@ -235,15 +236,31 @@ fn below_preamble<'a>(text: &'a [u8], header: &Header) -> &'a [u8] {
     &text[above..]
 }
 
-/// The first flaw of a text; rows are counted from 1 below the header, or from the first line where there is none.
-pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
+/// A row that ends before the header does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ShortRow {
+    /// Rows between it and the header.
+    pub(crate) row: usize,
+    /// How many cells it has.
+    pub(crate) cells: usize,
+    /// Whether the text ends in it without a line's end, and the row above has more cells: its last cell may be cut.
+    pub(crate) is_cut: bool,
+}
+
+/// The rows of a text that end before its header does; a line without anything is none that ends. In a text without a header all are as
+/// wide as the first.
+///
+/// # Errors
+/// The first flaw; its rows are counted from 1 below the header, or from the first line where there is none.
+pub(crate) fn short_rows(text: &[u8], header: &Header) -> Result<Vec<ShortRow>, Flaw> {
     let text = below_preamble(text, header);
     let width = header.names.len();
     if !header.headless && is_plain(text, header.separator, width) {
-        return None;
+        return Ok(Vec::new());
     }
     let first = usize::from(header.headless);
-    let flaw_of = |end: &RowEnd<'_>| {
+    let (mut short, mut cells_above) = (Vec::new(), width);
+    let look = |end: &RowEnd<'_>| {
         let (row, found) = (end.lines + first, end.cells);
         // A single cell too many that is empty is a separator at the end of the line.
         let is_more = found > width + 1 || !end.last.trim_ascii().is_empty();
@@ -251,41 +268,45 @@ pub(crate) fn flaw(text: &[u8], header: &Header) -> Option<Flaw> {
             return Some(Flaw::TooWide { row, found });
         }
         let is_row = !end.is_cut || !end.whole.is_empty();
-        (header.headless && found < width && is_row).then_some(Flaw::TooNarrow { row, found })
-    };
-    match look_at_rows(text, header.separator, flaw_of) {
-        Ok(flaw) => flaw,
-        Err(lines) => Some(Flaw::OpenQuote { row: lines + first }),
-    }
-}
-
-/// The rows that end before the header does, each with its number of cells; rows are counted from 0 below the header, and a line without
-/// anything is none that ends.
-pub(crate) fn short_rows(text: &[u8], header: &Header) -> Vec<(usize, usize)> {
-    let (width, mut short) = (header.names.len(), Vec::new());
-    let note = |end: &RowEnd<'_>| {
-        let is_short = end.cells < width && !end.whole.trim_ascii().is_empty();
-        if end.nth > 0 && is_short {
-            short.push((end.nth - 1, end.cells));
+        if header.headless && found < width && is_row {
+            return Some(Flaw::TooNarrow { row, found });
         }
-        None::<()>
+        if end.whole.trim_ascii().is_empty() {
+            return None;
+        }
+        if let (true, Some(row)) = (found < width, end.nth.checked_sub(1)) {
+            let is_cut = end.is_cut && found < cells_above;
+            short.push(ShortRow {
+                row,
+                cells: found,
+                is_cut,
+            });
+        }
+        cells_above = found;
+        None
     };
-    // A quote that is never closed is told as a flaw.
-    let _ = look_at_rows(below_preamble(text, header), header.separator, note);
-    short
+    match look_at_rows(text, header.separator, look) {
+        Ok(None) => Ok(short),
+        Ok(Some(flaw)) => Err(flaw),
+        Err(lines) => Err(Flaw::OpenQuote { row: lines + first }),
+    }
 }
 
 /// Bytes of text that a thread looks through at a time.
 const PIECE: usize = 1 << 20;
 
-/// Whether a text has neither quotes nor a line of more cells than `width`, as almost every table: told without looking at cells.
+/// Whether a text has neither quotes nor a line of more or fewer cells than `width`, as almost every table: told without looking at cells.
 fn is_plain(text: &[u8], separator: u8, width: usize) -> bool {
     let line_after =
         |at: usize| memchr::memchr(b'\n', &text[at..]).map_or(text.len(), |n| at + n + 1);
     let fits = |line: &[u8]| {
         let cells = memchr::memchr_iter(separator, line).count() + 1;
         let ends = || line.trim_ascii_end().ends_with(&[separator]);
-        cells <= width || (cells == width + 1 && ends())
+        match cells.cmp(&width) {
+            Ordering::Equal => true,
+            Ordering::Less => line.trim_ascii().is_empty(),
+            Ordering::Greater => cells == width + 1 && ends(),
+        }
     };
     // Lines that begin in a piece are its own.
     let piece = |start: usize| {
@@ -314,23 +335,43 @@ mod tests {
         let rows = [
             "1,2", "1,2,", "1,2, ", "1", "", ",", "1,2,3", "1,2,,", "1,2,\r", ",,x",
         ];
-        let told = |flaw: Option<Flaw>| match flaw {
-            Some(Flaw::TooWide { row, found }) => Some((row, found)),
-            Some(Flaw::OpenQuote { .. } | Flaw::TooNarrow { .. }) => Some((0, 0)),
-            None => None,
+        let told = |text: &str, header: &Header| match short_rows(text.as_bytes(), header) {
+            Err(Flaw::TooWide { row, found }) => Err((row, found)),
+            Err(Flaw::OpenQuote { .. } | Flaw::TooNarrow { .. }) => Err((0, 0)),
+            Ok(short) => Ok(short),
         };
-        let mut flaws = 0;
+        let (mut flaws, mut short) = (0, 0);
         for (a, b) in rows.iter().flat_map(|a| rows.map(|b| (a, b))) {
             for end in ["", "\n"] {
                 let text = format!("a,b\n{a}\n{b}{end}");
                 let header = header(text.as_bytes(), Style::default(), None);
-                let plain = told(flaw(text.as_bytes(), &header));
+                let plain = told(&text, &header);
                 // A quote that closes in the header changes nothing of the rows.
                 let quoted = text.replacen('a', "\"a\"", 1);
-                assert_eq!(plain, told(flaw(quoted.as_bytes(), &header)), "{text:?}");
-                flaws += usize::from(plain.is_some());
+                assert_eq!(plain, told(&quoted, &header), "{text:?}");
+                flaws += usize::from(plain.is_err());
+                short += plain.map_or(0, |rows| rows.len());
             }
         }
         assert!(flaws > 50, "{flaws}");
+        assert!(short > 20, "{short}");
+    }
+
+    #[test]
+    fn a_last_row_that_ends_early_is_cut_unless_its_line_ends_or_the_row_above_is_as_short() {
+        let cut = |text: &str| {
+            let header = header(text.as_bytes(), Style::default(), None);
+            let Ok(rows) = short_rows(text.as_bytes(), &header) else {
+                panic!("{text:?} has a flaw");
+            };
+            let rows = rows.into_iter();
+            rows.map(|row| (row.row, row.cells, row.is_cut))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(cut("a,b,c\n1,2,3\n1,2"), [(1, 2, true)]);
+        assert_eq!(cut("a,b,c\n1,2,3\n1,2\n"), [(1, 2, false)]);
+        assert_eq!(cut("a,b,c\n1,2\n1,2"), [(0, 2, false), (1, 2, false)]);
+        assert_eq!(cut("a,b,c\n1,2\n\n1"), [(0, 2, false), (2, 1, true)]);
+        assert_eq!(cut("a,b,c\n1,2,3\n\n"), []);
     }
 }

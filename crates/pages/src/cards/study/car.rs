@@ -4,6 +4,7 @@ use super::data::Study;
 use crate::{
     card::{Drawn, tested_card},
     texts::{Texts, value},
+    words::in_unit_of,
 };
 use maveric_analysis::{Bias, Finding, Nearer, Reproduction, Verdict};
 use maveric_report::{Card, ReportError, apa, figures::intervals::IntervalRow};
@@ -21,7 +22,8 @@ pub(super) fn own_style(
     };
     let say = |key: &str, values: &Value| texts.say("own-style", key, values);
     let of_bias = |row: &Reproduction, bias: &Bias, t: String| {
-        context! { title => row.title.as_str(), t, ..value(bias) }
+        let numbers = in_unit_of(study.analysis, &row.measure);
+        context! { title => row.title.as_str(), t, ..context! { ..numbers, ..value(bias) } }
     };
     let (mut off, mut tests, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
     let mut accuracies = Vec::new();
@@ -46,7 +48,9 @@ pub(super) fn own_style(
     }
     let worst = rows.iter().filter(|r| r.mean.is_some());
     let worst = worst.min_by(|a, b| a.mean.unwrap_or(1.0).total_cmp(&b.mean.unwrap_or(1.0)));
-    let titles: Vec<String> = rows.iter().map(|r| r.title.to_lowercase()).collect();
+    let judged = rows.iter().zip(&finding.parts);
+    let judged = judged.filter(|(_, part)| part.verdict != Verdict::NotAsked);
+    let titles: Vec<String> = judged.map(|(row, _)| row.title.to_lowercase()).collect();
     let values = context! {
         label => study.label(first.condition),
         off,

@@ -4,7 +4,7 @@ use super::data::Study;
 use crate::{
     card::{Drawn, tested_card},
     texts::{Texts, value},
-    words::{omnibus, other_choice, paired, small},
+    words::{in_unit_of, omnibus, other_choice, paired, small},
 };
 use maveric_analysis::{Contrast, Finding, Panel, Question, Sensitivity, Verdict, verdict::FEWEST};
 use maveric_domain::{
@@ -70,7 +70,7 @@ pub(super) fn stays(
                 choice => other_choice(&by_choice.choice),
                 first => study.label(row.first),
                 second => study.label(row.second),
-                ..value(row)
+                ..context! { ..in_unit_of(study.analysis, &by_choice.outcome), ..value(row) }
             };
             tests.push(texts.say("stays", "test", &values)?);
         }
@@ -171,11 +171,12 @@ pub(super) fn differ(
     texts: &Texts,
     finding: &Finding,
 ) -> Result<Card, ReportError> {
-    let judged = whole(study).zip(&finding.parts);
+    let compared = || whole(study).filter(|panel| !panel.contrasts.is_empty());
+    let judged = compared().zip(&finding.parts);
     let clear = judged.filter(|(_, part)| part.verdict == Verdict::Shown);
     let clear: Vec<String> = clear.map(|(panel, _)| small(&panel.title)).collect();
     let values = context! { clear, all => finding.parts.len() };
-    let tests = whole(study).map(|panel| over(study, texts, "differ", panel));
+    let tests = compared().map(|panel| over(study, texts, "differ", panel));
     let tests = tests.collect::<Result<_, _>>()?;
     tested_card(texts, finding, &values, None, tests)
 }

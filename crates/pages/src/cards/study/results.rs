@@ -4,7 +4,7 @@ use super::{car, conditions, data::Study, people, presses, retest, style};
 use crate::{
     card::{Drawn, card, share_row, tested_card},
     texts::{Texts, value},
-    words::{closed_by, declared_test},
+    words::{closed_as, closed_by, declared_test, in_unit_of},
 };
 use maveric_analysis::{Finding, Question, findings};
 use maveric_report::{
@@ -67,8 +67,9 @@ fn primary(
         second => study.label(outcome.second),
         several => outcomes.len() > 1,
         closed_by => closed_by(outcome, outcomes),
+        closed_as => closed_as(outcome, outcomes),
         test => declared_test(outcome.test),
-        ..value(outcome)
+        ..context! { ..in_unit_of(study.analysis, &outcome.outcome), ..value(outcome) }
     };
     let say = |key| texts.say("primary", key, &values);
     let row = IntervalRow::new(say("row")?, outcome.mean_difference, outcome.interval);
@@ -91,7 +92,7 @@ fn hypothesis(
     let values = context! {
         first => study.label(judged.first),
         second => study.label(judged.second),
-        ..value(judged)
+        ..context! { ..in_unit_of(study.analysis, &judged.outcome), ..value(judged) }
     };
     let say = |key| texts.say("hypothesis", key, &values);
     let row = IntervalRow::new(say("row")?, judged.mean_difference, judged.interval);
@@ -138,6 +139,79 @@ mod tests {
             said.starts_with("The three strongest, with intervals")
         };
         assert!(strongest(4) && !strongest(3));
+    }
+
+    #[test]
+    fn what_cannot_be_tested_says_why_and_what_is_behind_it_what_closed_the_gate() {
+        let texts = texts().unwrap();
+        let answer = |closed_as: Option<&str>, why_not: Option<&str>| {
+            let values = context! {
+                first => "Calm", second => "Sporty", n => 24, mean_difference => 2.67,
+                closed_by => closed_as.map(|_| "Comfort"), closed_as, why_not, decimals => 2, measured_in => "",
+            };
+            texts.say("primary", "answer", &values).unwrap()
+        };
+        let said = answer(None, Some("all answers are 3"));
+        assert!(
+            said.ends_with("(24 people). There is no test: all answers are 3."),
+            "{said}"
+        );
+        assert!(answer(None, None).ends_with("(24 people)."));
+        let closed = answer(Some("cannot be tested"), None);
+        assert_eq!(closed, "Not tested: Comfort before it cannot be tested.");
+        let test = |unbounded: bool| {
+            let odds = None::<f64>;
+            let values =
+                context! { first => "Calm", second => "Sporty", p => 0.01, odds, unbounded };
+            texts.say("primary", "test", &values).unwrap()
+        };
+        assert!(test(true).contains("likelihood ratio") && !test(false).contains("likelihood"));
+    }
+
+    #[test]
+    fn what_was_measured_has_its_unit_and_as_many_decimals_as_it_needs() {
+        let texts = texts().unwrap();
+        let said = |card: &str, measured_in: &str, decimals: usize| {
+            let none = None::<f64>;
+            let values = context! {
+                first => "Sporty", second => "Calm", mean_difference => -0.003_97, interval => vec![-0.0057, -0.0023], odds => none,
+                n => 19, decimals, measured_in, closed_by => none, bounds => none, why_not => none,
+            };
+            let said = ["answer", "value", "axis"].map(|key| texts.say(card, key, &values));
+            said.map(Result::unwrap)
+        };
+        for card in ["primary", "hypothesis"] {
+            let [answer, value, axis] = said(card, "s", 4);
+            assert_eq!(
+                answer.trim(),
+                "On average Sporty lies 0.0040 s below Calm (19 people)."
+            );
+            assert_eq!(
+                value,
+                "mean difference −0.0040 s, 95% CI [−0.0057, −0.0023]"
+            );
+            assert_eq!(axis, "Mean difference (s)");
+            let [answer, value, axis] = said(card, "", 2);
+            assert!(answer.contains("lies 0.00 below"), "{answer}");
+            assert_eq!(value, "mean difference 0.00, 95% CI [−0.01, 0.00]");
+            assert_eq!(axis, "Mean difference");
+        }
+    }
+
+    #[test]
+    fn a_unit_of_a_measure_of_ones_own_is_no_mark() {
+        let texts = texts().unwrap();
+        for unit in ["m*s^2", ""] {
+            let values = context! {
+                title => "Harshness", mean => 0.5, interval => vec![0.4, 0.6], unit, decimals => 2, t => "t", same_within => 1.0, p_equivalent => 0.01,
+            };
+            for key in ["off", "test"] {
+                let said = texts.say("own-style", key, &values).unwrap();
+                let plain = maveric_report::markup::plain(&said);
+                assert_eq!(plain.contains("0.50 m*s^2 "), !unit.is_empty(), "{said}");
+                assert!(plain.contains("0.50 "), "{said}");
+            }
+        }
     }
 
     #[test]

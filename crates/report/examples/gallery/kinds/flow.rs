@@ -6,7 +6,9 @@ use maveric_report::figures::flow::Flow;
 pub(crate) fn input() -> Flow {
     Flow {
         not_admitted: Vec::new(),
+        not_agreed: 0,
         recruited: PARTICIPANTS + 4,
+        absent: vec![("no drive and no answer in any condition".into(), 1)],
         drove: PARTICIPANTS + 3,
         left_out: vec![
             ("withdrew consent".into(), 1),
@@ -14,7 +16,6 @@ pub(crate) fn input() -> Flow {
                 "one answer to every item of `mdsi`, reversed ones too".into(),
                 2,
             ),
-            ("no drive and no answer in any condition".into(), 1),
         ],
         analysed: PARTICIPANTS,
         drives_left_out: vec![("simulator sickness".into(), 1)],

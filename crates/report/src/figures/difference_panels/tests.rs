@@ -48,6 +48,29 @@ fn a_missing_cell_leaves_its_participant_out_of_the_means_and_says_so() {
 }
 
 #[test]
+fn means_in_words_have_as_many_decimals_as_people_need_to_differ() {
+    let said = |factor: f64| {
+        let mut rows = rows(6);
+        for value in rows.iter_mut().flatten().flatten() {
+            *value *= factor;
+        }
+        difference_panels(&panel(rows), &Context::real())
+            .unwrap()
+            .alt
+    };
+    // Of decimals the most that any number of the words has.
+    let most = |said: &str| {
+        let numbers = said.split(|c: char| !c.is_ascii_digit() && c != '.');
+        let decimals = numbers
+            .filter_map(|number| Some(number.trim_end_matches('.').split_once('.')?.1.len()));
+        decimals.max()
+    };
+    let [wide, narrow] = [said(1.0), said(0.001)];
+    assert_eq!(most(&wide), Some(2), "{wide}");
+    assert_eq!(most(&narrow), Some(4), "{narrow}");
+}
+
+#[test]
 fn the_caption_says_what_the_brackets_carry_and_of_which_family_their_p_is() {
     let said = |change: &dyn Fn(&mut DifferencePanels)| {
         let mut input = panel(rows(6));
@@ -147,4 +170,27 @@ fn more_panels_than_a_page_holds_are_parts_with_names_of_their_own() {
 fn ten_thousand_participants_make_no_ten_thousand_points() {
     let figure = difference_panels(&panel(rows(10_000)), &Context::real()).unwrap();
     assert!(figure.svg.len() < 60_000);
+}
+
+#[test]
+fn one_condition_has_its_mean_with_an_interval_of_its_own_and_no_words_of_several() {
+    let figure = |conditions: usize| {
+        let mut input = panel(rows(6));
+        let only = &mut input.panels[0];
+        only.conditions.truncate(conditions);
+        only.pairs.clear();
+        for row in &mut only.rows {
+            row.truncate(conditions);
+        }
+        assert!(means(only).iter().all(Option::is_some));
+        difference_panels(&input, &Context::real()).unwrap().caption
+    };
+    let (one, two) = (figure(1), figure(2));
+    assert!(
+        one.contains("black dots means with 95% intervals, cut"),
+        "{one}"
+    );
+    for word in ["Cousineau", "each thin line", "omnibus"] {
+        assert!(!one.contains(word) && two.contains(word), "{word}: {one}");
+    }
 }

@@ -2,6 +2,7 @@
 
 mod chosen;
 mod covariates;
+mod follow_up;
 mod parts;
 mod period;
 

@@ -364,7 +364,9 @@ fn without_periods_a_pair_with_its_own_error_is_the_paired_t_test() {
     let data =
         crate::WithinSubjects::from_long(&study.people, &study.conditions, &study.values).unwrap();
     let pairs = crate::within(&data).paired;
-    for (name, pair) in found.found.own_error.iter() {
+    let own = found.found.own_error.get("condition").unwrap();
+    assert_eq!(own.len(), 6);
+    for (name, pair) in own.iter() {
         let known = pairs.get(name).unwrap();
         assert!((pair.t / known.t.unwrap() - 1.0).abs() < 1e-9, "{name}");
         assert!(
@@ -379,7 +381,8 @@ fn of_two_conditions_in_two_orders_it_is_welchs_test_of_the_orders_halves() {
     let study = made(&orders(2), 12, |p, c, t, _| {
         noise(14, 100 * p + 10 * c + t) * if p % 2 == 0 { 2.0 } else { 1.0 } + 0.4 * t as f64
     });
-    let pair = study.mixed().own_error.values().next().unwrap().clone();
+    let pairs = study.mixed().pairs("condition");
+    let pair = pairs.values().next().unwrap();
     let difference = |p: usize| {
         let at = |name: &str| {
             let row = (0..24)
@@ -414,7 +417,7 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
     });
     let found = study.mixed();
     let model = found.model.contrast.get("condition").unwrap();
-    for (name, pair) in found.own_error.iter() {
+    for (name, pair) in found.own_error.get("condition").unwrap().iter() {
         let of_model = model.get(name).unwrap();
         assert!((pair.estimate - of_model.estimate).abs() < 1e-9, "{name}");
         let wide = name.split('|').any(|c| c == "a");
@@ -432,7 +435,7 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
     short.values[5] = None;
     let listwise = short.mixed();
     assert_eq!((listwise.model.n_subjects, listwise.model.n_obs), (23, 92));
-    assert_eq!(listwise.own_error.len(), 6);
+    assert_eq!(listwise.pairs("condition").len(), 6);
     let choice = DesignChoice {
         missing: MissingCells::Mixed,
         ..DesignChoice::default()
@@ -440,10 +443,9 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
     let ByDesign::Mixed(kept) = compare_by_design(&short.columns(), &choice).unwrap() else {
         panic!("a mixed model")
     };
-    assert_eq!(
-        (kept.found.model.n_obs, kept.found.own_error.len()),
-        (95, 0)
-    );
+    assert_eq!(kept.found.model.n_obs, 95);
+    let pairs = kept.found.own_error.get("condition").unwrap();
+    assert!(pairs.len() == 6 && pairs.values().all(|pair| pair.p.is_some()));
     let carried = short.carried();
     short.values.drain(4..8);
     short.people.drain(4..8);

@@ -291,7 +291,7 @@ fn what_cannot_be_fitted_is_refused_by_name() {
         .skip(15)
         .for_each(|liking| *liking = None);
     assert!(
-        refused(&few).contains("3 complete subject(s)"),
+        refused(&few).contains("3 complete subjects"),
         "{}",
         refused(&few)
     );

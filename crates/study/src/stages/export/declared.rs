@@ -6,11 +6,13 @@ use crate::{
     design::{DESIGN_FILE, DesignFile},
     error::StudyError,
     once::count,
-    run_folder::read_scales,
     stages::codebook::write_codebook,
-    tables::{TableName, participants::Enrolled, write_rows},
+    tables::{TableName, collected::SEAT, participants::Enrolled, write_rows},
 };
-use maveric_domain::{Design, design::CONDITION};
+use maveric_domain::{
+    Design, Scale,
+    design::{CONDITION, Condition},
+};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
@@ -37,35 +39,35 @@ pub(super) struct Declared {
     pub(super) doubt: Option<String>,
 }
 
-/// Writes `study.toml`, `scales/`, the scenario, the codebook and `factors.csv`.
+/// Writes `study.toml`, `scales/`, the codebook and `factors.csv`; the scenario where a car was simulated on its road, or people drove on it
+/// in the seat, of which `out` has what was collected by then.
 ///
 /// # Errors
-/// [`StudyError::BadFile`] for a questionnaire or a scenario that names somebody; as [`read_scales`] and [`write_rows`].
+/// [`StudyError::BadFile`] for a questionnaire or a scenario that names somebody; as [`write_rows`].
 pub(super) fn write(
     out: &Path,
     study: &DesignFile,
     declared: &Declared,
-    ids: &Ids,
-    people: &[Enrolled],
+    questionnaires: &[Scale],
+    (ids, people): (&Ids, &[Enrolled]),
 ) -> Result<(), StudyError> {
     let text = declared.text.as_bytes();
     atomic_write_bytes(&out.join(DESIGN_FILE), text)?;
     let design = &study.design;
     let scales = study.resolve(&design.files().scales);
-    let mut questionnaires = Vec::new();
     if scales.is_dir() {
-        questionnaires = read_scales(&scales)?;
         for path in files_ending(&scales, "toml")? {
             let name = path.file_name().unwrap_or_default();
             copy(&path, &out.join("scales").join(name), ids)?;
         }
     }
     let scenario = study.resolve(&design.files().scenario);
-    if scenario.is_file() {
+    let is_used = design.conditions().iter().any(Condition::simulated) || out.join(SEAT).is_dir();
+    if is_used && scenario.is_file() {
         copy(&scenario, &out.join(SCENARIO), ids)?;
     }
     let design = &declared.design;
-    write_codebook(&questionnaires, Some(design), out)?;
+    write_codebook(questionnaires, Some(design), out)?;
     write_rows(
         TableName::Factors,
         &out.join("factors.csv"),

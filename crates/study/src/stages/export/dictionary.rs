@@ -3,16 +3,36 @@
 use super::place::files;
 use crate::{
     error::StudyError,
-    tables::{Table, TableName, dictionary::entry_at, write_rows},
+    tables::{
+        Table, TableName,
+        dictionary::{ColumnEntry, FileEntry, entry_at},
+        write_rows,
+    },
 };
 use maveric_analysis::Observed;
+use maveric_domain::Design;
 use maveric_measures::objective;
+use serde::Serialize;
 use std::path::Path;
 
 const DICTIONARY: &str = "dictionary.csv";
 
-/// Writes it beside the files of the folder; what the columns of outcomes hold, `observed` says.
-pub(super) fn write(folder: &Path, observed: &[Observed]) -> Result<(), StudyError> {
+/// A column of a table: a row of the dictionary.
+#[derive(Serialize)]
+struct Row {
+    file: String,
+    column: String,
+    unit: Option<String>,
+    means: String,
+    made_in: Option<String>,
+}
+
+/// Writes it beside the files of the folder; what the columns of outcomes hold, `observed` says, what those of own measures, the design.
+pub(super) fn write(
+    folder: &Path,
+    observed: &[Observed],
+    design: &Design,
+) -> Result<(), StudyError> {
     let given = files(folder)?;
     let mut rows = Vec::new();
     for file in &given {
@@ -20,28 +40,54 @@ pub(super) fn write(folder: &Path, observed: &[Observed]) -> Result<(), StudyErr
             continue;
         };
         for column in Table::read(&folder.join(file))?.columns() {
+            let of_study = match entry.name {
+                Some(TableName::OutcomesLong | TableName::OutcomesWide) => {
+                    outcome(&column, observed)
+                }
+                Some(TableName::Measures) => own_measure(&column, design),
+                _ => None,
+            };
             let known = entry.column(&column);
-            let outcome = file
-                .starts_with("outcomes_")
-                .then(|| outcome(&column, observed));
-            rows.extend(known.map(|known| {
-                let made_in = known.made_in.as_ref().or(entry.made_in.as_ref());
-                let outcome = outcome.flatten();
-                let unit = outcome
-                    .as_ref()
-                    .map_or(known.unit.clone(), |(unit, _)| unit.clone());
-                let means = outcome.map_or(known.means.clone(), |(_, means)| means);
-                let place = (("file", file), ("column", column));
-                (
-                    place,
-                    ("unit", unit),
-                    ("means", means),
-                    ("made_in", made_in),
-                )
-            }));
+            rows.extend(known.map(|known| row(file, column, (entry, known), of_study)));
         }
     }
+    // It is written when everything else is there.
+    let list = TableName::Files.entry();
+    for known in &list.columns {
+        let column = known.name.clone();
+        rows.extend(
+            list.files
+                .iter()
+                .map(|file| row(file, column.clone(), (list, known), None)),
+        );
+    }
     write_rows(TableName::Dictionary, &folder.join(DICTIONARY), rows)
+}
+
+/// What is said of a column of a table; unit and meaning are the study's own where it has some.
+fn row(
+    file: &str,
+    column: String,
+    (entry, known): (&FileEntry, &ColumnEntry),
+    of_study: Option<(Option<String>, String)>,
+) -> Row {
+    let general = || (known.unit.clone(), known.means.clone());
+    let (unit, means) = of_study.unwrap_or_else(general);
+    let made_in = known.made_in.as_ref().or(entry.made_in.as_ref());
+    Row {
+        file: file.to_owned(),
+        column,
+        unit,
+        means,
+        made_in: made_in.cloned(),
+    }
+}
+
+/// Unit, if it has one, and title of a measure of the study's own.
+fn own_measure(column: &str, design: &Design) -> Option<(Option<String>, String)> {
+    let measure = design.measure(column)?;
+    let unit = Some(measure.shown_unit().to_owned()).filter(|unit| !unit.is_empty());
+    Some((unit, measure.title.clone()))
 }
 
 /// Unit, if it has one, and meaning of a column `OUTCOME` or `OUTCOME.CONDITION`.

@@ -19,7 +19,8 @@ use crate::{
 };
 use maveric_analysis::StudyData;
 use maveric_domain::{
-    Answer, Design, DriveId, DriveMeta, DrivenBy, ParticipantId, ProbeAnswer, Recording,
+    Answer, ConditionId, Design, DriveId, DriveMeta, DrivenBy, ParticipantId, ProbeAnswer,
+    Recording,
 };
 use maveric_ingest::{IngestError, IngestSettings, Ingested, named_after, read_log};
 use path_slash::PathExt as _;
@@ -100,6 +101,14 @@ impl Material {
         let tables = self.people.is_empty() && self.answers.is_empty() && self.own.is_empty();
         let tables = tables && self.probes.is_empty();
         tables && self.drives.is_empty() && self.collected.is_empty()
+    }
+
+    /// Whether anything was driven, measured or answered in a condition.
+    pub(super) fn has(&self, condition: ConditionId) -> bool {
+        let drove = self.drives.iter().any(|d| d.0.condition == condition);
+        let measured = self.own.iter().any(|row| row.condition == condition);
+        let mut answers = self.answers.iter();
+        drove || measured || answers.any(|a| a.moment.condition() == Some(condition))
     }
 
     /// Everybody who is in it.

@@ -9,6 +9,7 @@ mod options;
 mod outcomes;
 mod own;
 mod people;
+mod pipeline;
 mod place;
 mod pseudonym;
 mod readme;

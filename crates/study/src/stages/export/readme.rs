@@ -1,19 +1,24 @@
 //! `README.md`: what a stranger reads first.
 
 use super::{
-    left_out::LeftOut, options::Exported, outcomes::compared, place::files, ro_crate::About,
+    left_out::LeftOut,
+    options::Exported,
+    outcomes::compared,
+    place::files,
+    ro_crate::{About, PIPELINE},
+    surveys::Answered,
 };
 use crate::{
     atomic_write::atomic_write_bytes, error::StudyError, once::count, tables::dictionary::entry_at,
     texts,
 };
 use maveric_analysis::{Flow, Observed};
-use maveric_domain::Design;
+use maveric_domain::{ConditionId, Design, design::Condition};
 use minijinja::context;
 use std::path::Path;
 
 /// What the files are that are no tables, and folders.
-const OTHERS: [(&str, &str); 9] = [
+const OTHERS: [(&str, &str); 8] = [
     (
         "logs/",
         "The drives: who was where on the road, a recording each (MCAP), from time 0 and position 0 on.",
@@ -32,19 +37,15 @@ const OTHERS: [(&str, &str); 9] = [
     ),
     (
         "scenario.toml",
-        "The road and the traffic in which a car drove that was simulated.",
+        "The road and the traffic of what was simulated or driven in the seat.",
     ),
     (
         "codebook.md",
         "The questionnaires and the study’s own measures, for people.",
     ),
     (
-        "surveys.csv",
-        "Answers, a row an item: before the drives (`pre`), and after each condition.",
-    ),
-    (
         "pipeline.toml",
-        "The stages by which the results were made.",
+        "The stages by which the results were made, with what was set for their run.",
     ),
     (
         "seat/",
@@ -52,16 +53,29 @@ const OTHERS: [(&str, &str); 9] = [
     ),
 ];
 
+/// What an export holds.
+pub(super) struct Holds<'a> {
+    pub(super) counts: &'a Exported,
+    /// None where nothing was analysed.
+    pub(super) flow: Option<&'a Flow>,
+    /// The design's, where anything of it is there.
+    pub(super) baseline: Option<ConditionId>,
+    /// Whether the pipeline has the files of the export.
+    pub(super) runs_here: bool,
+}
+
 /// Writes it; the other files are there.
 pub(super) fn write(
     out: &Path,
     design: &Design,
     about: &About,
-    (counts, flow): (&Exported, Option<&Flow>),
+    holds: &Holds<'_>,
     observed: &[Observed],
+    answered: &Answered,
     left_out: &LeftOut,
 ) -> Result<(), StudyError> {
     let files = files(out)?;
+    let (counts, flow) = (holds.counts, holds.flow);
     let label = |id| format!("{} (`{id}`)", design.label(id));
     let conditions = design.conditions().iter().map(|c| label(c.id));
     let table = ["outcomes_long.csv", "surveys.csv", "participants.csv"];
@@ -79,21 +93,27 @@ pub(super) fn write(
         recruited => flow.map(|f| f.recruited),
         analysed => flow.map(|f| f.analysed),
         left_out => left_out.lines(),
-        baseline => design.baseline_id().map(label),
+        baseline => holds.baseline.map(label),
+        of_style => design.style().is_some(),
+        numbers => &answered.numbers,
+        simulated => design.conditions().iter().any(Condition::simulated),
+        has_pipeline => files.iter().any(|name| name == PIPELINE),
+        runs_here => holds.runs_here,
         conditions => conditions.collect::<Vec<_>>(),
         made_up => design.synthetic(),
         table => table.into_iter().find(|name| files.iter().any(|f| f == name)),
         compared => compared(design, observed).map(|columns| columns.join(",")),
         parquet => ending(".parquet"),
         log => ending(".mcap"),
-        files => rows(&files),
+        files => rows(&files, answered),
     };
     let text = texts::fill(texts::EXPORT_README, values);
     atomic_write_bytes(&out.join("README.md"), text.as_bytes())
 }
 
 /// A row a file, and one a folder: its name, and what it holds.
-fn rows(files: &[String]) -> Vec<Vec<String>> {
+fn rows(files: &[String], answered: &Answered) -> Vec<Vec<String>> {
+    let answers = format!("Answers, a row an item: {}.", answered.moments.join(", "));
     let mut rows: Vec<Vec<String>> = Vec::new();
     for file in files {
         let folder = file.split_once('/').map(|(folder, _)| format!("{folder}/"));
@@ -103,7 +123,9 @@ fn rows(files: &[String]) -> Vec<Vec<String>> {
         }
         let other = OTHERS.iter().find(|(known, _)| *known == name);
         let entry = || entry_at(file).map(|entry| entry.about.trim());
-        let about = other.map(|(_, about)| *about).or_else(entry);
+        let of_answers = (name == "surveys.csv").then_some(answers.as_str());
+        let about = other.map(|(_, about)| *about);
+        let about = about.or(of_answers).or_else(entry);
         rows.push(vec![name, about.unwrap_or_default().to_owned()]);
     }
     rows

@@ -37,6 +37,8 @@ pub struct PipelineRun {
     pub name: String,
     /// The pipeline file (TOML) as it was written.
     pub text: String,
+    /// Parameters that the run had replaced.
+    pub set: BTreeMap<String, String>,
     /// What was run.
     pub steps: Vec<Step>,
 }
@@ -104,7 +106,7 @@ pub(super) fn cleared(
     logs: &[Log],
     warnings: &mut Vec<String>,
 ) -> Option<PipelineRun> {
-    if ids.named_in(&run.text) {
+    if ids.named_in(&run.text) || run.set.values().any(|value| ids.named_in(value)) {
         let warning = "the pipeline names somebody, so it and its run are not in the export";
         warnings.push(warning.to_owned());
         return None;
@@ -381,5 +383,11 @@ mod tests {
             ..PipelineRun::default()
         };
         assert!(cleared(named, &ids, &[], &mut warnings).is_none());
+        let set_to = |value: &str| PipelineRun {
+            set: [("logs".to_owned(), value.to_owned())].into(),
+            ..PipelineRun::default()
+        };
+        assert!(cleared(set_to("logs/anna"), &ids, &[], &mut warnings).is_none());
+        assert!(cleared(set_to("logs"), &ids, &[], &mut warnings).is_some());
     }
 }

@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 pub(super) const RESULTS: &str = "results";
 /// Answers that came from survey software, among the results.
 const IMPORTED: &str = "answers.csv";
+/// Ratings of people who are made up, among the results.
+const RATINGS: &str = "ratings.csv";
 
 #[derive(Default)]
 pub(super) struct Sources {
@@ -66,6 +68,8 @@ impl Sources {
             Software::Table => there(&files.answers),
             _ => there(&Path::new(RESULTS).join(IMPORTED)),
         };
+        // What made-up people said of the conditions is among the results of a run.
+        let ratings = there(&Path::new(RESULTS).join(RATINGS)).filter(|_| study.design.synthetic());
         let ingested = Ingest {
             mapping: options.mapping.clone(),
             rate_hz: options.rate,
@@ -74,7 +78,7 @@ impl Sources {
         Ok(Self {
             logs: logs::of_study(&ingested, study)?,
             participants: there(&study.design.people().file),
-            surveys: answers.into_iter().collect(),
+            surveys: answers.into_iter().chain(ratings).collect(),
             seat: there(&Path::new(SEAT).join(EVENTS)).and(Some(study.resolve(Path::new(SEAT)))),
             measures: Some(&files.measures)
                 .filter(|_| !study.design.measures().is_empty())

@@ -5,12 +5,65 @@ use crate::{
     error::StudyError,
     tables::{TableName, participants::Enrolled, surveys::write_answers, write_rows},
 };
-use maveric_domain::{Answer, ConditionId, Moment, ParticipantId, ProbeAnswer, Ride};
+use maveric_domain::{
+    Answer, ConditionId, Moment, ParticipantId, ProbeAnswer, Ride, Scale, survey::Kind,
+};
 use serde_json::Value;
 use std::{
     collections::{BTreeMap, BTreeSet},
     path::Path,
 };
+
+/// What is to be known of the answers that are given away.
+pub(super) struct Answered {
+    /// When people were asked, in the order in which they were, as the column `moment` says it.
+    pub(super) moments: Vec<&'static str>,
+    /// The items that were answered by a number, such as an age or a year: `demographics 1`.
+    pub(super) numbers: Vec<String>,
+}
+
+impl Answered {
+    pub(super) fn new(scales: &[Scale], answers: &[Answer], probes: &[ProbeAnswer]) -> Self {
+        let is_asked = |is: fn(Moment) -> bool| answers.iter().any(|a| is(a.moment));
+        let moments = [
+            (is_asked(|m| m == Moment::Pre), "before the drives (`pre`)"),
+            (
+                !probes.is_empty(),
+                "during a ride (`probe:` and its condition)",
+            ),
+            (
+                is_asked(|m| matches!(m, Moment::After(_))),
+                "after a condition (its id)",
+            ),
+            (is_asked(|m| m == Moment::Post), "at the end (`post`)"),
+        ];
+        let moments = moments.into_iter().filter(|(is_asked, _)| *is_asked);
+        let given = answers.iter().filter(|a| a.answer.is_some());
+        let given: BTreeSet<(&str, u32)> = given.map(|a| (a.scale.as_str(), a.item)).collect();
+        let is_number = |(id, item): &(&str, u32)| {
+            let scale = scales.iter().find(|scale| scale.id == *id);
+            let item = scale.and_then(|scale| scale.item(*item));
+            item.is_some_and(|item| item.kind == Kind::Number)
+        };
+        let numbers = given.into_iter().filter(is_number);
+        Self {
+            moments: moments.map(|(_, moment)| moment).collect(),
+            numbers: numbers
+                .map(|(scale, item)| format!("{scale} {item}"))
+                .collect(),
+        }
+    }
+
+    /// That numbers are given away as they are; nothing where there are none.
+    pub(super) fn warning(&self) -> Option<String> {
+        (!self.numbers.is_empty()).then(|| {
+            format!(
+                "answers that are numbers are given away as they are (items {}): an exact age, a year or a rare value may single somebody out",
+                self.numbers.join(", ")
+            )
+        })
+    }
+}
 
 /// Writes `surveys.csv` and, without what was asked during rides, `surveys_wide.csv`; the answers have pseudonyms then, and stand in their order.
 pub(super) fn write(
@@ -121,6 +174,29 @@ fn write_wide(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn answers_that_are_numbers_are_named_and_those_on_a_scale_are_not() {
+        let scale = Scale::from_toml(
+            "id = \"who\"\ntitle = \"Who\"\nreference = \"ours\"\n[[item]]\nkind = \"number\"\ntext = \"Age\"\nmin = 16\nmax = 110\n\
+             [[item]]\nkind = \"choice\"\ntext = \"How often\"\nlevels = [\"Never\", \"Often\"]\n[[item]]\nkind = \"number\"\ntext = \"Year\"\nmin = 1930\nmax = 2100\n",
+        );
+        let scales = [scale.unwrap()];
+        let answer = |item, answer| Answer {
+            participant: ParticipantId::new("P1").unwrap(),
+            moment: Moment::Pre,
+            scale: "who".to_owned(),
+            item,
+            answer,
+        };
+        let of = |answers: &[Answer]| Answered::new(&scales, answers, &[]);
+        let told = of(&[answer(1, Some(25)), answer(2, Some(1)), answer(3, None)]);
+        assert_eq!(told.numbers, ["who 1"]);
+        assert!(told.warning().unwrap().contains("(items who 1)"));
+        assert_eq!(told.moments, ["before the drives (`pre`)"]);
+        assert!(of(&[answer(2, Some(1))]).warning().is_none());
+        assert!(of(&[]).moments.is_empty());
+    }
 
     #[test]
     fn what_is_asked_at_the_end_is_told_from_what_was_asked_before() {

@@ -6,13 +6,13 @@ use super::{
     left_out::LeftOut,
     material::Material,
     options::{ExportOptions, Exported},
-    outcomes, own, people,
+    outcomes, own, people, pipeline,
     place::Place,
     pseudonym::{Ids, Pseudonyms},
-    readme,
+    readme::{self, Holds},
     ro_crate::{self, About, METADATA, PipelineRun},
     sources::Sources,
-    surveys,
+    surveys::{self, Answered},
 };
 use crate::{
     atomic_write::{atomic_write_bytes, write_json},
@@ -20,6 +20,7 @@ use crate::{
     error::StudyError,
     forget::refuse_learned_from_gone,
     outcome::{Outcome, Watch},
+    run_folder::read_scales,
 };
 use path_slash::PathExt as _;
 use std::path::Path;
@@ -38,7 +39,8 @@ use std::path::Path;
 /// - `ro-crate-metadata.json` says what it is as a Workflow Run RO-Crate: files with hashes, licence, the pipeline and its stages; no
 ///   path that names somebody.
 /// - Of `participants.csv` only who is learned from and who is tested, population, age in bands of ten years, gender, professional,
-///   order, and the factors and covariates of the design; of answers only what is scored. Free text and any other column is left out.
+///   order, and the factors and covariates of the design. Free text and any other column is left out.
+/// - Answers are given away as they are; of those that are numbers (an age, a year) the items are named in a warning and in `README.md`.
 ///
 /// What this cannot do: a driving style, or a rare combination of age, gender and answers, may still single somebody out for who
 /// knows them. Groups of fewer than three alike are warned about.
@@ -82,46 +84,69 @@ pub fn export(
     if let Some(data) = &mut material.outcomes {
         data.design = design.clone();
     }
+    let baseline = design.baseline_id().filter(|id| material.has(*id));
     drives::write(out, &material.drives, &names, options, watch)?;
     let people = &material.people;
     let answered = material.answers.iter().map(|a| a.answer);
     let answered = answered.chain(material.probes.iter().map(|p| p.answer));
     let answers = answered.flatten().count();
     warnings.extend(people::write(out, people, &names, design)?);
+    let scales = study.resolve(&study.design.files().scales);
+    let scales = scales.is_dir().then(|| read_scales(&scales));
+    let scales = scales.transpose()?.unwrap_or_default();
+    let answered = Answered::new(&scales, &material.answers, &material.probes);
+    warnings.extend(answered.warning());
     let responses = (&mut material.answers[..], &mut material.probes[..]);
     surveys::write(out, responses, people, &names)?;
     own::write(out, &material.own, &names)?;
     let observed = outcomes::write(out, material.outcomes.as_ref(), people, &names)?;
     warnings.extend(material.collected.write(out, &names, &left_out.names)?);
     if let (Some(study), Some(declared)) = (&local_study, &declared) {
-        declared::write(out, study, declared, &ids, people)?;
+        declared::write(out, study, declared, &scales, (&ids, people))?;
         warnings.extend(declared.doubt.clone());
     }
     let mut about = about.clone();
+    let mut runs_here = false;
     if let Some(run) = about.run.take() {
         about.run = ro_crate::cleared(run, &ids, &sources.logs, &mut warnings);
         if let Some(run) = &about.run {
-            atomic_write_bytes(&out.join(ro_crate::PIPELINE), run.text.as_bytes())?;
+            let given = local_study.as_ref().map(|study| (study, design));
+            runs_here = pipeline::follows_from(given, run);
+            let text = pipeline::text(run, given, out);
+            let text = text.map_err(|e| StudyError::not_possible(format!("the pipeline: {e}")))?;
+            atomic_write_bytes(&out.join(ro_crate::PIPELINE), text.as_bytes())?;
         }
     }
     warnings.extend(place.gone(|name| names.has(name))?);
-    dictionary::write(out, &observed)?;
+    dictionary::write(out, &observed, design)?;
     let value = Exported {
         participants: names.len(),
         drives: material.drives.len(),
         answers,
     };
     let flow = material.outcomes.as_ref().map(|data| &data.flow);
-    readme::write(out, design, &about, (&value, flow), &observed, &left_out)?;
+    let holds = Holds {
+        counts: &value,
+        flow,
+        baseline,
+        runs_here,
+    };
+    readme::write(out, design, &about, &holds, &observed, &answered, &left_out)?;
     let metadata = ro_crate::metadata(design, &about, &place.given()?);
     write_json(&out.join(METADATA), &metadata)?;
     place.take()?;
+    let summary = summary(&value, options, &left_out);
+    Ok(Outcome::new(value, summary, warnings))
+}
+
+/// What was written where, and who is not in it.
+fn summary(exported: &Exported, options: &ExportOptions, left_out: &LeftOut) -> Vec<String> {
     let mut summary = vec![
         format!(
             "{} participants under pseudonyms, {} drives, {} answers: {}",
-            value.participants,
-            value.drives,
-            value.answers,
+            exported.participants,
+            exported.drives,
+            exported.answers,
             options.out.to_slash_lossy()
         ),
         format!(
@@ -130,5 +155,5 @@ pub fn export(
         ),
     ];
     summary.extend(left_out.lines());
-    Ok(Outcome::new(value, summary, warnings))
+    summary
 }

@@ -3,9 +3,11 @@
 use super::{
     map_file::{MapFile, ScaleColumns},
     pattern::Pattern,
+    word_in_name::place_of,
+    workbook::in_place_of_value,
 };
 use crate::error::StudyError;
-use maveric_domain::{Design, Moment, Scale, survey::Item};
+use maveric_domain::{ConditionId, Design, Moment, Scale, survey::Item};
 use std::{collections::BTreeMap, path::Path};
 
 /// When an answer was given, by the name of its column.
@@ -37,6 +39,8 @@ pub(super) struct Columns<'a> {
     pub(super) map: MapFile,
     /// Every word for a moment: those of the map, and every label of the design.
     words: BTreeMap<String, Moment>,
+    /// That of a design with no other.
+    pub(super) only_condition: Option<ConditionId>,
     /// By scale.
     patterns: Vec<Pattern>,
 }
@@ -65,6 +69,20 @@ impl<'a> Columns<'a> {
                 "[scales.{id}]: no such scale; the scales are {known}"
             )));
         }
+        let labels = design.labels();
+        let words = map.moments.iter();
+        let words = words.map(|(word, moment)| (format!("[moments] `{word}`"), *moment));
+        let fixed = map.scales.iter();
+        let fixed =
+            fixed.filter_map(|(id, c)| Some((format!("[scales.{id}] `moment`"), c.moment?)));
+        for (key, moment) in words.chain(fixed) {
+            if let Some(id) = moment.condition().filter(|id| !labels.contains(id)) {
+                let known = ConditionId::listed(&labels);
+                return Err(bad(format!(
+                    "{key}: `{id}` is no condition of the study, which has {known}"
+                )));
+            }
+        }
         let mut patterns = Vec::new();
         for scale in scales {
             let mapped = map.scales.get(&scale.id);
@@ -80,8 +98,8 @@ impl<'a> Columns<'a> {
                 Pattern::new(&pattern.cloned().unwrap_or_else(convention)).map_err(in_scale)?,
             );
         }
-        let labels = design.labels().into_iter();
         let mut words: BTreeMap<String, Moment> = labels
+            .into_iter()
             .map(|id| (id.to_string(), Moment::after(id)))
             .collect();
         words.extend(map.moments.clone());
@@ -89,6 +107,10 @@ impl<'a> Columns<'a> {
             scales,
             map,
             words,
+            only_condition: match design.conditions() {
+                [only] => Some(only.id),
+                _ => None,
+            },
             patterns,
         })
     }
@@ -171,6 +193,17 @@ impl<'a> Columns<'a> {
         exact.copied().or_else(|| known.into_iter().find(named))
     }
 
+    /// The word for a condition that stands by itself in a name.
+    pub(super) fn condition_in(&self, name: &str) -> Option<&str> {
+        let stands = |(word, moment): &(&String, &Moment)| {
+            moment.condition().is_some() && place_of(name, word).is_some()
+        };
+        self.words
+            .iter()
+            .find(stands)
+            .map(|(word, _)| word.as_str())
+    }
+
     /// Fields that may say the moment.
     pub(super) fn moment_fields(&self) -> Vec<&str> {
         match &self.map.moment {
@@ -190,6 +223,11 @@ impl<'a> Columns<'a> {
         }
     }
 
+    /// Whether what stands in the file is a word for no answer; `missing` are those of the software.
+    pub(super) fn is_missing(&self, text: &str, missing: &[&str]) -> bool {
+        missing.contains(&text) || self.map.missing.iter().any(|m| m == text)
+    }
+
     /// An answer as given, from what stands in the file; `add` is added to numbers unless the map says otherwise, and `missing` are the
     /// software's words for no answer.
     pub(super) fn answer_of(
@@ -201,8 +239,7 @@ impl<'a> Columns<'a> {
         missing: &[&str],
     ) -> Result<Option<i32>, String> {
         let text = text.trim();
-        let is_missing = missing.contains(&text) || self.map.missing.iter().any(|m| m == text);
-        if is_missing || matches!(text, "" | "NA" | "null") {
+        if self.is_missing(text, missing) || matches!(text, "" | "NA" | "null") {
             return Ok(None);
         }
         let columns = self.mapped(slot.scale);
@@ -219,11 +256,18 @@ impl<'a> Columns<'a> {
         let whole = text.strip_suffix(".0").unwrap_or(text).parse::<i32>().ok();
         match whole.and_then(|n| n.checked_add(add)) {
             Some(answer) if item.takes(answer) => Ok(Some(answer)),
-            _ => Err(format!(
-                "found `{text}`, expected a whole number from {} to {}, or nothing; answers in words can be given their numbers by `labels` in the map of columns",
-                item.min - add,
-                item.max - add
-            )),
+            _ if text.starts_with('=') => Err(in_place_of_value(text)),
+            _ => {
+                let written = Item {
+                    min: item.min - add,
+                    max: item.max - add,
+                    ..item.clone()
+                };
+                Err(format!(
+                    "found `{text}`, expected a whole number from {}, or nothing; answers in words can be given their numbers by `labels` in the map of columns",
+                    written.range()
+                ))
+            }
         }
     }
 }

@@ -93,7 +93,8 @@ impl Export {
             return true;
         };
         let mut names = grid.columns.iter();
-        names.any(|name| columns.is_of(scale, format.field_of(name).1))
+        names
+            .any(|name| columns.is_of(scale, name) || columns.is_of(scale, format.field_of(name).1))
     }
 
     /// What is wrong with one in which nothing belongs to a scale, and what to do.

@@ -1,8 +1,9 @@
 //! Columns that are numbered alike, which may be the items of a scale.
 
-use super::{columns::Columns, formats::Format, grid::Grid};
+use super::{columns::Columns, formats::Format, grid::Grid, word_in_name::place_of};
 use maveric_domain::{
     Moment, Scale,
+    design::Software,
     survey::{Item, Kind},
 };
 use std::collections::BTreeMap;
@@ -26,7 +27,7 @@ impl Family {
 pub(super) fn families(grid: &Grid, format: &Format) -> Vec<Family> {
     let mut families: BTreeMap<(String, String), BTreeMap<u32, usize>> = BTreeMap::new();
     for (column, name) in grid.columns.iter().enumerate() {
-        let (_, field) = format.field_of(name);
+        let field = numbered_part(format, name);
         let is_digit = |at: usize| field.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
         let starts = (0..field.len()).filter(|at| is_digit(*at) && (*at == 0 || !is_digit(at - 1)));
         for start in starts {
@@ -56,6 +57,18 @@ pub(super) fn families(grid: &Grid, format: &Format) -> Vec<Family> {
     families
         .filter(|family| family.columns.len() > 1 && is_counted(family))
         .collect()
+}
+
+/// The part of a column's name that tells it from others: its field; of a table of no known software the whole, where what stands behind its
+/// last dot is a number alone (`adb.7`) or has none (`adb_7.calm`).
+fn numbered_part<'n>(format: &Format, name: &'n str) -> &'n str {
+    let (_, field) = format.field_of(name);
+    let is_digit = |c: char| c.is_ascii_digit();
+    let is_name = field.contains(is_digit) && !field.chars().all(is_digit);
+    if format.software == Software::Wide && !is_name {
+        return name;
+    }
+    field
 }
 
 /// How the answers in a family of columns look to a scale.
@@ -163,19 +176,13 @@ pub(super) fn with_condition(family: &Family, columns: &Columns<'_>) -> String {
     )
 }
 
-/// Where a word stands by itself in a name, in small or large letters.
-fn place_of(name: &str, word: &str) -> Option<usize> {
-    let ends = name.len().checked_sub(word.len())?;
-    (0..=ends).find(|at| {
-        let part = name.get(*at..at + word.len());
-        let (before, after) = (
-            name.get(..*at).and_then(|r| r.chars().next_back()),
-            name.get(at + word.len()..).and_then(|r| r.chars().next()),
-        );
-        part.is_some_and(|part| part.eq_ignore_ascii_case(word))
-            && !before.is_some_and(char::is_alphanumeric)
-            && !after.is_some_and(char::is_lowercase)
-    })
+/// Whether the study's only condition stands in a family's names and is no part of the scale's own.
+pub(super) fn names_only_condition(scale: &Scale, family: &Family, columns: &Columns<'_>) -> bool {
+    let stands = |name: &str| {
+        let only = columns.only_condition.as_ref();
+        only.is_some_and(|only| place_of(name, only.as_str()).is_some())
+    };
+    (stands(&family.before) || stands(&family.behind)) && !stands(&scale.id)
 }
 
 /// Whether a part of a scale's id stands in the names of a family.
@@ -183,18 +190,4 @@ pub(super) fn resembles(scale: &Scale, family: &Family) -> bool {
     let name = format!("{}|{}", family.before, family.behind).to_lowercase();
     let mut parts = scale.id.split('_').filter(|part| part.len() >= 3);
     parts.any(|part| name.contains(&part.to_lowercase()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_word_counts_where_it_stands_by_itself() {
-        assert_eq!(place_of("TLX_Sporty_", "sporty"), Some(4));
-        assert_eq!(place_of("sportyTLX", "sporty"), Some(0));
-        assert_eq!(place_of("unsporty_", "sporty"), None);
-        assert_eq!(place_of("calmness_", "calm"), None);
-        assert_eq!(place_of("größe_calm", "calm"), Some("größe_".len()));
-    }
 }

@@ -17,16 +17,47 @@ pub(super) struct Format {
     pub(super) participant: &'static [&'static str],
     /// Column that says which of several questionnaires a row answers.
     pub(super) questionnaire: Option<&'static str>,
-    /// Column and words of rows that were made to try the questionnaire out, and what they are called.
-    pub(super) trials: Option<(&'static str, &'static [&'static str], &'static str)>,
+    /// Rows that were made to try the questionnaire out.
+    pub(super) trials: Option<Marked>,
+    /// Rows that are read, and told.
+    pub(super) doubtful: Option<Marked>,
     /// Words for no answer, beside an empty cell.
     pub(super) missing: &'static [&'static str],
     /// Whether the name before the last dot is that of a page: what is asked on it belongs together.
     pub(super) pages: bool,
 }
 
+/// Rows that a software marks: the column, its words, and what such rows are called.
+type Marked = (&'static str, &'static [&'static str], &'static str);
+
 /// Rows of bots, whose answers oTree makes up.
-const BOTS: (&str, &[&str], &str) = ("participant._is_bot", &["1", "True", "true"], "bots");
+const BOTS: Marked = ("participant._is_bot", &["1", "True", "true"], "bots");
+
+/// What Qualtrics calls rows of previews and tests, those marked as spam, made offline or made up among them: the values and labels of
+/// `Status` in its exports for SPSS.
+const QUALTRICS_TRIALS: Marked = (
+    "Status",
+    &[
+        "1",
+        "2",
+        "9",
+        "17",
+        "256",
+        "Survey Preview",
+        "Survey Test",
+        "Survey Preview Spam",
+        "Offline Survey Preview",
+        "Synthetic",
+    ],
+    "previews and tests",
+);
+
+/// What it calls rows that may be no person's.
+const QUALTRICS_SPAM: Marked = (
+    "Status",
+    &["8", "12", "Spam", "Imported Spam"],
+    "possible spam",
+);
 
 /// Every software whose tables are known, those that write what nobody else writes first; the last takes any table.
 pub(super) const FORMATS: [Format; 5] = [
@@ -44,11 +75,8 @@ pub(super) const FORMATS: [Format; 5] = [
             "ResponseId",
         ],
         questionnaire: None,
-        trials: Some((
-            "Status",
-            &["1", "2", "Survey Preview", "Survey Test"],
-            "previews and tests",
-        )),
+        trials: Some(QUALTRICS_TRIALS),
+        doubtful: Some(QUALTRICS_SPAM),
         // What it writes for questions that were seen and not answered, where it is asked to.
         missing: &["-99"],
         pages: false,
@@ -58,7 +86,8 @@ pub(super) const FORMATS: [Format; 5] = [
         software: Software::Limesurvey,
         title: "LimeSurvey",
         is: |grid| {
-            all(grid, &["submitdate", "lastpage"])
+            let has_code = |name: &&str| any(grid, |column| code(column) == *name);
+            ["submitdate", "lastpage"].iter().all(has_code)
                 || is_by_questions(grid)
                 || any(grid, |name| name.contains("[SQ"))
         },
@@ -66,6 +95,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant", "token", "id", "Response ID", "Antwort ID"],
         questionnaire: None,
         trials: None,
+        doubtful: None,
         missing: &["N/A"],
         pages: false,
     },
@@ -83,6 +113,7 @@ pub(super) const FORMATS: [Format; 5] = [
             &["pretest", "admin", "debug", "qnrpreview"],
             "pretests",
         )),
+        doubtful: None,
         missing: &["-1", "-2", "-3", "-8", "-9"],
         pages: false,
     },
@@ -98,6 +129,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant.label", "participant.code", "participant"],
         questionnaire: None,
         trials: Some(BOTS),
+        doubtful: None,
         missing: &[],
         pages: true,
     },
@@ -109,6 +141,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant", "participant_id"],
         questionnaire: None,
         trials: None,
+        doubtful: None,
         missing: &[],
         pages: true,
     },
@@ -135,16 +168,35 @@ impl Format {
         grid.without_first(heads)
     }
 
-    /// The page of a column, and the name of its field: `drive.1.player` and `calm_2`; for most there is one page without a name. Behind
-    /// a code of LimeSurvey the text of its question may stand: `KTLX[SQ001]. How tired …`.
+    /// The page of a column, and the name of its field: `drive.1.player` and `calm_2`; for most there is one page without a name.
     pub(super) fn field_of<'c>(&self, column: &'c str) -> (&'c str, &'c str) {
         if self.pages {
             return column.rsplit_once('.').unwrap_or(("", column));
         }
-        let code = column.split_once(". ").map_or(column, |(code, _)| code);
-        let is_code = self.software == Software::Limesurvey && !code.contains(' ');
-        ("", if is_code { code } else { column })
+        ("", self.code_of(column))
     }
+
+    /// Where the column of this name, or of this code, stands.
+    pub(super) fn position(&self, grid: &Grid, name: &str) -> Option<usize> {
+        let mut columns = grid.columns.iter();
+        let by_code = || columns.position(|column| self.code_of(column) == name);
+        grid.position(name).or_else(by_code)
+    }
+
+    /// What a column is called without the text of its question.
+    fn code_of<'c>(&self, column: &'c str) -> &'c str {
+        if self.software == Software::Limesurvey {
+            code(column)
+        } else {
+            column
+        }
+    }
+}
+
+/// The code before the text of a question, where LimeSurvey's heads have both: `KTLX[SQ001]` of `KTLX[SQ001]. How tired …`.
+fn code(column: &str) -> &str {
+    let code = column.split_once(". ").map_or(column, |(code, _)| code);
+    if code.contains(' ') { column } else { code }
 }
 
 /// Whether LimeSurvey's heads are the texts of its questions, by which no item is known.

@@ -9,7 +9,7 @@ use super::{
     sheets::Contents,
 };
 use crate::error::StudyError;
-use maveric_domain::Moment;
+use maveric_domain::{Moment, Scale};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) struct ItemColumn {
@@ -25,11 +25,19 @@ pub(super) struct PageColumns {
     pub(super) items: Vec<ItemColumn>,
 }
 
+impl PageColumns {
+    /// Whether nothing says when some of it was answered.
+    fn is_unsaid(&self) -> bool {
+        let mut items = self.items.iter();
+        self.moment.is_none() && items.any(|item| item.slot.when == When::Unsaid)
+    }
+}
+
 /// The columns by page; what belongs to no scale is noted.
 ///
 /// # Errors
 /// [`StudyError::BadFile`] for two columns of one item, items without a column, conditions that no column has, and answers of which it is not
-/// said when they were given.
+/// said when they were given; [`StudyError::NoColumn`] for the map's `moment`.
 pub(super) fn pages<'g>(
     grid: &'g Grid,
     format: &Format,
@@ -38,9 +46,24 @@ pub(super) fn pages<'g>(
 ) -> Result<BTreeMap<&'g str, PageColumns>, StudyError> {
     let mut pages: BTreeMap<&str, PageColumns> = BTreeMap::new();
     let mut strangers: BTreeMap<&str, usize> = BTreeMap::new();
+    let says_when = |name: &str| columns.moment_fields().contains(&name);
+    let names = grid.columns.iter().map(|whole| first_of_two(grid, whole));
+    let fields = names.map(|name| format.field_of(name));
+    let dated: BTreeSet<&str> = fields
+        .filter_map(|(page, field)| says_when(field).then_some(page))
+        .collect();
+    let mut everywhere = None;
     for (column, whole) in grid.columns.iter().enumerate() {
-        let (page, field) = format.field_of(first_of_two(grid, whole));
-        match columns.slot_of(field) {
+        let name = first_of_two(grid, whole);
+        let (page, field) = format.field_of(name);
+        let (page, slot) = match columns.slot_of(name).filter(|_| !page.is_empty()) {
+            Some(Ok(slot)) => {
+                let is_dated = slot.when == When::Unsaid && dated.contains(page);
+                (if is_dated { page } else { "" }, Some(Ok(slot)))
+            }
+            by_name => (page, columns.slot_of(field).or(by_name)),
+        };
+        match slot {
             Some(Ok(slot)) => {
                 let page_columns = pages.entry(page).or_default();
                 let same = |item: &&ItemColumn| item.slot == slot;
@@ -55,27 +78,60 @@ pub(super) fn pages<'g>(
                 continue;
             }
             Some(Err(word)) => *strangers.entry(word).or_default() += 1,
-            None if columns.moment_fields().contains(&field) => {
+            None if says_when(field) || says_when(name) => {
                 pages.entry(page).or_default().moment = Some(column);
+                if columns.map.moment.as_deref() == Some(name) {
+                    everywhere = Some(column);
+                }
                 continue;
             }
             None => (),
         }
         contents.unused.insert(whole.clone());
     }
+    // What the map names whole holds for every page that has none of its own.
+    for page in pages.values_mut() {
+        page.moment = page.moment.or(everywhere);
+    }
+    let is_said = pages.values().any(|page| page.moment.is_some());
+    if let Some(named) = columns.map.moment.as_ref().filter(|_| !is_said) {
+        let there = grid.columns.clone();
+        return Err(StudyError::no_column(grid.path(), named, there));
+    }
+    contents.warnings.extend(unread(columns, &contents.unused));
     pages.retain(|_, page_columns| !page_columns.items.is_empty());
     complete(grid, columns, &pages)?;
     conditions_named(grid, columns, &pages, &strangers, &mut contents.warnings)?;
     if let Some(name) = format.questionnaire {
-        by_questionnaire(grid, name, columns, &mut pages)?;
+        by_questionnaire(grid, name, columns, &mut pages, &mut contents.warnings)?;
     }
-    let unsaid = pages.values().filter(|page| page.moment.is_none());
-    let unsaid = unsaid
-        .flat_map(|page| &page.items)
-        .filter(|item| item.slot.when == When::Unsaid);
-    let scales = unsaid.map(|item| item.slot.scale).collect();
+    let mut scales = BTreeSet::new();
+    for (name, page) in pages.iter().filter(|(_, page)| page.is_unsaid()) {
+        if let Some(word) = columns.condition_in(name) {
+            contents.warnings.push(format!(
+                "`{name}` has `{word}` in its name, and nothing says when what is asked there was answered: it counts as from before the drives; `{{condition}}` in the map of columns, where the word stands in `column`, says it"
+            ));
+        }
+        let unsaid = page.items.iter().map(|item| item.slot);
+        let unsaid = unsaid.filter(|slot| slot.when == When::Unsaid);
+        scales.extend(unsaid.map(|slot| slot.scale));
+    }
     alike::refuse(grid, format, columns, &scales, &contents.unused)?;
     Ok(pages)
+}
+
+/// The scales whose columns are there as they are called by convention too, and were not read because a pattern calls them otherwise.
+fn unread(columns: &Columns<'_>, unused: &BTreeSet<String>) -> Vec<String> {
+    let warning = |scale: &Scale| {
+        let (id, count, pattern) = (&scale.id, scale.count(), columns.pattern_of(scale));
+        let is_there = |item: u32| unused.contains(&format!("{id}_{item}"));
+        (1..=count).all(is_there).then(|| {
+            format!(
+                "scale `{id}`: `{id}_1` to `{id}_{count}` were not read: its columns are called `{pattern}` by the map of columns or its file, and one pattern reads all"
+            )
+        })
+    };
+    columns.scales.iter().filter_map(warning).collect()
 }
 
 /// The name that a column was given before its number was put behind it: of two of one name both say the same.
@@ -179,21 +235,25 @@ fn by_questionnaire(
     name: &str,
     columns: &Columns<'_>,
     pages: &mut BTreeMap<&str, PageColumns>,
+    warnings: &mut Vec<String>,
 ) -> Result<(), StudyError> {
     let Some(column) = grid.position(name) else {
         return Ok(());
     };
     let words: BTreeSet<&str> = grid.filled(column).collect();
-    let unsaid = |page: &PageColumns| {
-        page.moment.is_none() && page.items.iter().any(|item| item.slot.when == When::Unsaid)
-    };
-    if words.len() < 2 || !pages.values().any(unsaid) {
+    if words.is_empty() || !pages.values().any(PageColumns::is_unsaid) {
         return Ok(());
     }
     if let Some(word) = words
         .iter()
         .find(|word| columns.moment_by_word(word).is_none())
     {
+        if words.len() == 1 {
+            warnings.push(format!(
+                "column `{name}` has `{word}` alone, which means no moment: these answers count as from before the drives; [moments] of the map of columns can say what it means"
+            ));
+            return Ok(());
+        }
         let words: Vec<&str> = words.iter().copied().collect();
         let problem = format!(
             "column `{name}` has {}, and `{word}` is no condition: it is not said when these questionnaires were answered",
@@ -204,7 +264,7 @@ fn by_questionnaire(
         );
         return Err(StudyError::file(grid.path(), problem).with_help(help));
     }
-    for page in pages.values_mut().filter(|page| unsaid(page)) {
+    for page in pages.values_mut().filter(|page| page.is_unsaid()) {
         page.moment = Some(column);
     }
     Ok(())

@@ -3,7 +3,7 @@
 use super::{
     columns::Columns,
     export::Export,
-    long_table::{LeftOutAnswers, let_in, refuse_twice, unknown_moments, write},
+    long_table::{LeftOutAnswers, let_in, refuse_twice, told_unknown, unknown_moments, write},
     sheets::{Contents, Row},
 };
 use crate::{
@@ -12,9 +12,10 @@ use crate::{
     once::count,
     outcome::Outcome,
     run_folder::exclusions_path,
+    stages::score::of_answers,
     tables::{TableName, write_rows},
 };
-use maveric_domain::{ConditionId, Design, Moment, ParticipantId, design::Software};
+use maveric_domain::{Design, Moment, ParticipantId, design::Software};
 use maveric_report::tables::Exclusion;
 use path_slash::PathExt as _;
 use serde::Serialize;
@@ -66,16 +67,10 @@ impl Imports<'_> {
             mut warnings,
         } = contents;
         let unknown = unknown_moments(&mut rows, self.design);
-        let left_out: usize = unknown.values().map(|(n, _)| n).sum();
-        warnings.extend(unknown.into_iter().map(|(moment, (n, place))| {
-            format!(
-                "{n} answers left out: condition `{moment}` (first in {place}) is none of the design's: {}",
-                ConditionId::listed(&self.design.labels())
-            )
-        }));
+        warnings.extend(told_unknown(&unknown, self.design));
         refuse_twice(self.file, &rows, scales)?;
-        let nobody = rows.is_empty();
-        let kept_out = let_in(&mut rows, self.gate);
+        let nobody = rows.is_empty() && unknown.is_empty();
+        let kept_out = let_in(&mut rows, &unknown, self.design, self.gate);
         let why = counted(["answer", "answers"], kept_out.values().flatten());
         if rows.is_empty() {
             return Err(self.nothing(nobody, &why));
@@ -105,9 +100,6 @@ impl Imports<'_> {
                 value.unused
             ),
         ];
-        if left_out > 0 {
-            summary.push(format!("{left_out} answers left out by unknown condition"));
-        }
         summary.extend(why);
         Ok(Outcome::new(value, summary, warnings))
     }
@@ -166,7 +158,7 @@ impl Imports<'_> {
 fn write_kept_out(out: &Path, kept_out: &LeftOutAnswers) -> Result<(), StudyError> {
     let listed = kept_out.iter().map(|((who, moment), why)| Exclusion {
         who: who.to_string(),
-        what: format!("answers ({moment})"),
+        what: of_answers(*moment),
         why: why[0].to_string(),
     });
     write_rows(TableName::LeftOut, &exclusions_path(out), listed)

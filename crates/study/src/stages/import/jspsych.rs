@@ -4,9 +4,14 @@ use super::{
     columns::{Columns, Slot, When},
     sheets::{Contents, Orders, Page, Reading},
 };
-use crate::error::StudyError;
+use crate::{error::StudyError, once::told_once};
+use maveric_domain::{Moment, ParticipantId};
 use serde_json::{Map, Value};
-use std::{borrow::Cow, path::Path};
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, BTreeSet},
+    path::Path,
+};
 
 type Trial = Map<String, Value>;
 
@@ -22,7 +27,8 @@ const PARTICIPANT: [&str; 5] = [
 /// Reads the trials of one or more sessions.
 ///
 /// # Errors
-/// [`StudyError`] naming session and trial: what is no JSON of trials, nobody's answers, an id, a moment or an answer that is none.
+/// [`StudyError`] naming session and trial: what is no JSON of trials, nobody's answers, an id, a moment or an answer that is none. Items of a
+/// scale that nobody was asked.
 pub(super) fn read(
     path: &Path,
     text: &str,
@@ -30,6 +36,7 @@ pub(super) fn read(
     orders: &Orders,
 ) -> Result<Contents, StudyError> {
     let mut contents = Contents::default();
+    let mut unknown_scales = Vec::new();
     let reading = Reading {
         path,
         columns,
@@ -44,6 +51,11 @@ pub(super) fn read(
             };
             let place = format!("session {}, trial {}", number + 1, index + 1);
             let fields = fields(trial, &responses, columns, &mut contents);
+            if let Some(id) = unknown_scale(trial, &responses, columns) {
+                let trial = format!("{} of session {}", index + 1, number + 1);
+                let what = format!("its `scale` is `{id}`, which is none of the study's: not read");
+                unknown_scales.push((trial, what));
+            }
             if fields.is_empty() {
                 continue;
             }
@@ -74,12 +86,77 @@ pub(super) fn read(
             contents.rows.extend(reading.rows_of(&page)?);
         }
     }
+    contents.warnings.extend(told_once("trial", unknown_scales));
+    whole_sheets(path, columns, &mut contents)?;
     Ok(contents)
+}
+
+/// The scale that a trial names for its numbered questions, where the study has none of that id.
+fn unknown_scale<'t>(
+    trial: &'t Trial,
+    responses: &Trial,
+    columns: &Columns<'_>,
+) -> Option<&'t str> {
+    let id = trial.get("scale").and_then(Value::as_str)?;
+    let is_known = columns.scales.iter().any(|scale| scale.id == id);
+    let numbered = |name: &String| item_of(name).is_some() && columns.slot_of(name).is_none();
+    (!is_known && responses.keys().any(numbered)).then_some(id)
+}
+
+/// The item of a question that has a number alone: Q0 is the first.
+fn item_of(name: &str) -> Option<u32> {
+    let from_zero: u32 = name.strip_prefix('Q')?.parse().ok()?;
+    from_zero.checked_add(1)
+}
+
+/// Holds the items that were asked against those of their scales: what one sheet lacks and others have is told.
+///
+/// # Errors
+/// [`StudyError::BadFile`] for items of a scale that no sheet has.
+fn whole_sheets(
+    path: &Path,
+    columns: &Columns<'_>,
+    contents: &mut Contents,
+) -> Result<(), StudyError> {
+    let mut sheets: BTreeMap<(usize, &ParticipantId, Moment), BTreeSet<u32>> = BTreeMap::new();
+    for row in &contents.rows {
+        let sheet = (row.scale, &row.participant, row.moment);
+        sheets.entry(sheet).or_default().insert(row.item);
+    }
+    let mut by_scale: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
+    for ((scale, ..), items) in &sheets {
+        by_scale.entry(*scale).or_default().extend(items);
+    }
+    let lacking = |scale: usize, items: &BTreeSet<u32>| {
+        let numbers = 1..=columns.scales[scale].count();
+        let lacking = numbers.filter(|item| !items.contains(item));
+        let lacking: Vec<String> = lacking.map(|item| item.to_string()).collect();
+        (!lacking.is_empty()).then(|| lacking.join(", "))
+    };
+    for (scale, items) in &by_scale {
+        if let Some(items) = lacking(*scale, items) {
+            let id = &columns.scales[*scale].id;
+            let problem = format!("scale `{id}`: no trial asks items {items}");
+            return Err(StudyError::file(path, problem));
+        }
+    }
+    let short = sheets.iter().filter_map(|((scale, who, moment), items)| {
+        let items = lacking(*scale, items)?;
+        let id = &columns.scales[*scale].id;
+        let what = format!("scale `{id}` without items {items}, which count as not answered");
+        Some((format!("{who} ({moment})"), what))
+    });
+    let short = told_once("sheet", short);
+    contents.warnings.extend(short);
+    Ok(())
 }
 
 /// Sessions, each an array of trials: one array, arrays one after the other, or an array of arrays.
 fn sessions(path: &Path, text: &str) -> Result<Vec<Vec<Trial>>, StudyError> {
-    let bad = |problem: String| StudyError::file(path, problem);
+    let bad = |problem: String| {
+        let help = "save what jsPsych collected as JSON: `jsPsych.data.get().json()`";
+        StudyError::file(path, problem).with_help(help)
+    };
     let trials = |entries: Vec<Value>| -> Result<Vec<Trial>, StudyError> {
         let object = |trial| match trial {
             Value::Object(trial) => Ok(trial),
@@ -148,10 +225,9 @@ fn fields<'r>(
     let mut fields = Vec::new();
     for (name, value) in responses {
         let numbered = || {
-            let from_zero: u32 = name.strip_prefix('Q')?.parse().ok()?;
             Some(Slot {
                 scale: scale?,
-                item: from_zero.checked_add(1)?,
+                item: item_of(name)?,
                 when: When::Unsaid,
             })
         };

@@ -1,6 +1,9 @@
 //! Answers as every reader finds them in an export, and what becomes of them: a row an answer.
 
-use super::columns::{Columns, Slot, When};
+use super::{
+    columns::{Columns, Slot, When},
+    workbook::{FORMULA, in_place_of_value},
+};
 use crate::error::StudyError;
 use maveric_domain::{ConditionId, Moment, ParticipantId, survey::Kind};
 use std::{
@@ -89,6 +92,16 @@ impl Reading<'_> {
             let participant = ParticipantId::new(page.participant.trim())
                 .map_err(|e| bad(format!("{}: {e}", page.place)))?;
             let moment = self.moment(page, slot.when, &participant)?;
+            if let Moment::Probe(ride) = moment {
+                let problem = format!(
+                    "{place} (participant {participant}): `{moment}` is a probe, and an export does not say when in the ride it was asked"
+                );
+                let help = format!(
+                    "write `{}` for what was asked after the ride; probes are read from the table that is scored (software = \"table\"), with their `at_s`",
+                    ride.condition
+                );
+                return Err(StudyError::file(self.path, problem).with_help(help));
+            }
             let scale = &self.columns.scales[slot.scale];
             let wrong = |problem: String| {
                 let (id, item) = (&scale.id, slot.item);
@@ -100,8 +113,13 @@ impl Reading<'_> {
                 return Err(wrong(format!("the scale has {} items", scale.count())));
             };
             let add = if page.from_zero { item.min } else { 0 };
+            let is_given =
+                |words: &String| !words.is_empty() && !self.columns.is_missing(words, self.missing);
             let words = (item.kind == Kind::Text).then(|| text.trim().to_owned());
             let answer = match &words {
+                Some(formula) if formula == FORMULA => {
+                    return Err(wrong(in_place_of_value(formula)));
+                }
                 Some(_) => None,
                 None => self
                     .columns
@@ -114,7 +132,7 @@ impl Reading<'_> {
                 scale: slot.scale,
                 item: slot.item,
                 answer,
-                words: words.filter(|words| !words.is_empty()),
+                words: words.filter(is_given),
                 seconds: page.seconds,
                 place,
             });

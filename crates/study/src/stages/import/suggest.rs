@@ -3,7 +3,10 @@
 use super::{
     columns::Columns,
     export::Export,
-    families::{Answers, Family, answers, families, joint_pattern, resembles, with_condition},
+    families::{
+        Answers, Family, answers, families, joint_pattern, names_only_condition, resembles,
+        with_condition,
+    },
     formats::Format,
     grid::Grid,
     wide::people_column,
@@ -182,9 +185,9 @@ fn of_scale(
     for family in &named {
         let alike =
             |other: &&&Family| with_condition(other, columns) == with_condition(family, columns);
-        // A word is a condition where another stands in its place, and a part of the scale's own name otherwise.
+        // A word is a condition where another stands in its place or the study has no other, and a part of the scale's own name otherwise.
         let several = named.iter().filter(alike).count() > 1;
-        let pattern = if several {
+        let pattern = if several || names_only_condition(scale, family, columns) {
             with_condition(family, columns)
         } else {
             family.pattern()

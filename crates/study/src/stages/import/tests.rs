@@ -2,6 +2,7 @@
 
 mod software;
 mod tables;
+mod to_scores;
 mod workbook;
 
 use super::*;

@@ -8,7 +8,10 @@ use super::{
     map_file::MapFile,
     sheets::{Contents, Orders, Page, Reading},
 };
-use crate::{error::StudyError, once::count};
+use crate::{
+    error::StudyError,
+    once::{count, names},
+};
 
 /// Reads a table of words.
 ///
@@ -26,20 +29,28 @@ pub(super) fn read(
     contents.warnings.extend(grid.ending_early());
     let pages = pages(grid, format, columns, &mut contents)?;
     let people = people_column(grid, format, &columns.map)?;
-    let trials = format
-        .trials
-        .and_then(|(name, words, what)| Some((grid.position(name)?, words, what)));
     let reading = Reading {
         path: grid.path(),
         columns,
         orders,
         missing: format.missing,
     };
+    let [trials, doubtful] = [format.trials, format.doubtful].map(|marked| {
+        let (name, words, _) = marked?;
+        Some((grid.position(name)?, words))
+    });
+    let is_marked = |marked: Option<(usize, &[&str])>, row: usize| {
+        marked.is_some_and(|(column, words)| words.contains(&grid.cell(column, row)))
+    };
     let mut trial_rows = 0;
+    let mut doubtful_rows = Vec::new();
     for row in 0..grid.rows() {
-        if trials.is_some_and(|(column, words, _)| words.contains(&grid.cell(column, row))) {
+        if is_marked(trials, row) {
             trial_rows += 1;
             continue;
+        }
+        if is_marked(doubtful, row) {
+            doubtful_rows.push(format!("row {}", row + 1));
         }
         let place = format!("row {}", row + 1);
         let participant = people.map_or("", |column| grid.cell(column, row));
@@ -72,7 +83,14 @@ pub(super) fn read(
             ));
         }
     }
-    if let Some((_, _, what)) = trials.filter(|_| trial_rows > 0) {
+    if let Some((name, _, what)) = format.doubtful.filter(|_| !doubtful_rows.is_empty()) {
+        let rows = count(doubtful_rows.len(), "row", "rows");
+        contents.warnings.push(format!(
+            "{rows} of {what} by `{name}` ({}): read like the others",
+            names(&doubtful_rows)
+        ));
+    }
+    if let Some((_, _, what)) = format.trials.filter(|_| trial_rows > 0) {
         let rows = count(trial_rows, "row", "rows");
         contents
             .warnings
@@ -108,13 +126,14 @@ pub(super) fn people_column(
 ) -> Result<Option<usize>, StudyError> {
     let missing = |wanted: &str| StudyError::no_column(grid.path(), wanted, grid.columns.clone());
     if let Some(named) = &map.participant {
-        return grid.position(named).map(Some).ok_or_else(|| missing(named));
+        let column = format.position(grid, named);
+        return column.map(Some).ok_or_else(|| missing(named));
     }
     let there = || {
         format
             .participant
             .iter()
-            .filter_map(|name| grid.position(name))
+            .filter_map(|name| format.position(grid, name))
     };
     let filled = there().find(|column| grid.filled(*column).next().is_some());
     match (filled, format.participant) {

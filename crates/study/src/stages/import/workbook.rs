@@ -1,11 +1,21 @@
 //! Workbooks (`.xlsx`): the rows of one sheet as words.
 
 use crate::error::StudyError;
-use calamine::{Data, Reader as _, Xlsx, XlsxError};
+use calamine::{Data, DataRef, Reader as _, Xlsx, XlsxError};
 use std::{collections::BTreeMap, io::Cursor, path::Path};
 
 /// Most cells of a sheet, from its first corner to its last: a stray cell at the far end of a sheet is not filled up to.
 const MOST_CELLS: usize = 20_000_000;
+
+/// What stands for a formula of which the workbook has no value: programs that write workbooks work out none, spreadsheets do.
+pub(super) const FORMULA: &str = "=formula";
+
+/// What is said of a formula where an answer is looked for.
+pub(super) fn in_place_of_value(formula: &str) -> String {
+    format!(
+        "found a formula (`{formula}`) in the place of its value; open the table in a spreadsheet and save it, which works the value out"
+    )
+}
 
 type Book = Xlsx<Cursor<Vec<u8>>>;
 type Rows = Vec<Vec<String>>;
@@ -65,9 +75,12 @@ fn sheet(book: &mut Book, name: &str) -> Result<Rows, String> {
     let mut rows: BTreeMap<u32, Vec<(usize, String)>> = BTreeMap::new();
     let mut width = 0;
     let mut cells = book.worksheet_cells_reader(name).map_err(text)?;
-    while let Some(cell) = cells.next_cell().map_err(text)? {
-        let (row, column) = cell.get_position();
-        let word = Data::from(cell.get_value().clone()).to_string();
+    while let Some(cell) = cells.next_cell_with_formula_metadata().map_err(text)? {
+        let (row, column) = cell.pos;
+        let word = match (cell.value, cell.formula) {
+            (DataRef::Empty, Some(_)) => FORMULA.to_owned(),
+            (value, _) => Data::from(value).to_string(),
+        };
         if !word.trim().is_empty() {
             width = width.max(column as usize + 1);
             rows.entry(row).or_default().push((column as usize, word));

@@ -51,6 +51,50 @@ fn a_used_folder_keeps_no_drive_that_its_list_no_longer_has_and_no_other_file_go
 }
 
 #[test]
+fn a_log_in_the_folder_of_the_drives_is_neither_written_over_nor_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (out, other) = (folder.path().join("drives"), folder.path().join("other"));
+    let log = folder.path().join("a.csv");
+    std::fs::write(&log, table(100)).unwrap();
+    run(vec![log.clone()], &out).unwrap();
+    let drive = out.join("a.parquet");
+    let before = std::fs::read(&drive).unwrap();
+    // A drive is a table that the same mapping reads: as a log it stays as it is, by whatever path.
+    for log in [drive.clone(), out.join("../drives/a.parquet")] {
+        let error = run(vec![log], &out).unwrap_err().to_string();
+        assert!(
+            error.contains("a.parquet") && error.contains("is an input of this command"),
+            "{error}"
+        );
+        assert_eq!(std::fs::read(&drive).unwrap(), before);
+    }
+    // Nor does it go where it becomes a drive of another name.
+    let renamed = folder.path().join("renamed.toml");
+    let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
+    let text = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
+    std::fs::write(
+        &renamed,
+        text.replace("drive = \"{drive}\"", "drive = \"{drive}-again\""),
+    )
+    .unwrap();
+    let by_another_name = |out: &Path| {
+        let options = Ingest {
+            logs: vec![drive.clone()],
+            out: out.to_owned(),
+            mapping: Some(renamed.clone()),
+            jobs: 1,
+            ..Ingest::default()
+        };
+        options.run(Watch::unwatched())
+    };
+    let error = by_another_name(&out).unwrap_err().to_string();
+    assert!(error.contains("is an input of this command"), "{error}");
+    assert_eq!(std::fs::read(&drive).unwrap(), before);
+    let made = by_another_name(&other).unwrap();
+    assert_eq!(made.value.drives[0].drive.as_str(), "a-again");
+}
+
+#[test]
 fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() {
     let folder = tempfile::tempdir().unwrap();
     let (logs, out) = (
@@ -149,6 +193,54 @@ fn where_no_drive_is_let_in_the_rule_is_to_be_changed_or_the_names() {
     );
     let unknown = help(["bold", "sporty"], "");
     assert!(unknown.contains("[names] of the mapping"), "{unknown}");
+}
+
+#[test]
+fn what_is_told_of_a_table_of_many_is_told_whoever_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let toml = "[road]\nlanes = 1\nlane_width_m = 3.66\nposted_speed_mps = 25.0\nframe = \"map\"\n[names]\nfile = \"{file}\"\n\
+                drive = \"{id}-calm\"\nparticipant = \"{id}\"\ncondition = \"calm\"\n[table]\nlayout = \"long\"\npoint = \"centre\"\n\
+                y_grows = \"left\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\ntime = \"t\"\nid = \"id\"\n\
+                x = \"x\"\ny = \"y\"\nspeed = \"v\"\n";
+    std::fs::write(at("mapping.toml"), toml).unwrap();
+    let row = |i: usize| {
+        let t = i as f64 / 10.0;
+        format!(
+            "{t},P01,{},0,20\n{t},P02,{},0,20\n",
+            20.0 * t,
+            20.0 * t + 50.0
+        )
+    };
+    let rows: String = (0..100).map(row).collect();
+    // Somebody who was seen once makes no drive.
+    std::fs::write(at("many.csv"), format!("t,id,x,y,v\n{rows}5,P03,9,0,20\n")).unwrap();
+    let told = |excluded: &str| {
+        let design = format!(
+            "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n[exclude.drives]\n{excluded}"
+        );
+        std::fs::write(at("study.toml"), design).unwrap();
+        let options = Ingest {
+            logs: vec![at("many.csv")],
+            design: Some(at("study.toml")),
+            out: at("drives"),
+            mapping: Some(at("mapping.toml")),
+            jobs: 1,
+            ..Ingest::default()
+        };
+        let made = options.run(Watch::unwatched()).unwrap();
+        let list = std::fs::read_to_string(at("drives/exclusions.csv")).unwrap();
+        let is_of_file = |line: &&str| line.contains("vehicles with a single row");
+        let of_file = list.lines().filter(is_of_file);
+        let drives = of_file.map(|line| line.split(',').next().unwrap_or("").to_owned());
+        let warnings = made.warnings.iter().filter(|w| is_of_file(&w.as_str()));
+        (drives.collect::<Vec<_>>(), warnings.count())
+    };
+    assert_eq!(told(""), (vec!["P01-calm".to_owned()], 1));
+    let first = "P01-calm = \"broke off\"\n";
+    assert_eq!(told(first), (vec!["P02-calm".to_owned()], 1));
+    let second = "P02-calm = \"broke off\"\n";
+    assert_eq!(told(second), (vec!["P01-calm".to_owned()], 1));
 }
 
 #[test]

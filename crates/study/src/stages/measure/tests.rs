@@ -68,6 +68,43 @@ fn own_measures_of_whoever_and_of_whatever_ride_is_left_out_are_in_no_table() {
 }
 
 #[test]
+fn a_drive_of_which_too_little_is_comparable_is_no_log_without_lateral_positions() {
+    let measures = ["lane_changes", "mean_velocity_mps", "leads_met"];
+    let measures = measures.map(|name| objective::find(name).unwrap());
+    let row = |who: &str, values: [Option<f64>; 3]| MeasuredDrive {
+        meta: DriveMeta::named(format!("{who}-calm"), who, "calm", DrivenBy::Human).unwrap(),
+        values: measures
+            .iter()
+            .map(|m| m.name.to_owned())
+            .zip(values)
+            .collect(),
+        counted_s: None,
+    };
+    let rows = [
+        row("P01", [None, Some(30.0), None]),
+        row("P02", [None, None, Some(2.0)]),
+        row("P03", [Some(4.0), Some(31.0), Some(3.0)]),
+    ];
+    let warned = |uncounted: &[usize]| {
+        let uncounted = uncounted.iter().copied().collect();
+        why_missing(&measures, &rows, &uncounted)
+    };
+    let of = |count: usize, name: &str| {
+        let m = objective::find(name).unwrap();
+        let title = m.title.to_lowercase();
+        format!("{count} of 3 drives have no {title}: {}", m.why_missing)
+    };
+    let speed = of(1, "mean_velocity_mps");
+    assert_eq!(
+        warned(&[]),
+        [of(2, "lane_changes"), speed.clone(), of(1, "leads_met")]
+    );
+    assert_eq!(warned(&[0]), [of(1, "lane_changes"), speed.clone()]);
+    // What a longer drive has no more of is not cut.
+    assert_eq!(warned(&[0, 1]), [speed]);
+}
+
+#[test]
 fn lane_changes_of_a_long_drive_are_counted_over_the_time_of_the_persons_short_one() {
     let folder = tempfile::tempdir().unwrap();
     let drives = folder.path().join("drives");

@@ -27,7 +27,7 @@ pub struct SignRow {
     /// Share of studies with p < .05: the power.
     pub power: Option<Proportion>,
     /// Participants for a power of .8 at the planted sizes; `None` beyond the sizes tried.
-    pub n_for_80: Option<f64>,
+    pub n_for_80: Option<usize>,
 }
 
 /// The size at which signs are compared: the paper's, or the next that was tried.

@@ -99,7 +99,7 @@ struct NeededRow {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Needed {
-    People(f64),
+    People(usize),
     /// No more than the smallest size tried.
     AtMost(String),
 }
@@ -125,7 +125,7 @@ pub(super) fn power_tables(
     let needed = |scale: f64, rate: &dyn Fn(&Cell) -> Option<Proportion>| {
         let curve = curve(&rehearsal.cells, scale, rate).into_iter();
         let points: Vec<(usize, f64)> = curve.map(|(n, r)| (n, r.estimate)).collect();
-        let lowest = points.first().map(|(n, _)| *n as f64);
+        let lowest = points.first().map(|(n, _)| *n);
         n_for(&points, POWER).map(|n| match lowest {
             Some(low) if n <= low => Needed::AtMost(format!("≤ {n}")),
             _ => Needed::People(n),

@@ -42,7 +42,7 @@ use maveric_pages::study::{Facts, Reliability, StudyPage, steps};
 use maveric_report::{
     Card, Report,
     claims::{self, LedgerRow},
-    html::{Methods, Provenance, Section},
+    html::{Live, Methods, Provenance, Section},
     tables::Exclusion,
 };
 use maveric_simulator::Scenario;
@@ -61,7 +61,7 @@ pub(super) fn page(
 ) -> Result<(Report, Vec<String>), StudyError> {
     let folder = options.results.as_path();
     let study = DesignFile::find(options.design.as_deref())?;
-    let run = Run::read(folder, &study)?;
+    let mut run = Run::read(folder, &study)?;
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
     let people = People::read(
@@ -70,6 +70,8 @@ pub(super) fn page(
         &run.measured,
         (&study.design, &run.analysis.flow),
     )?;
+    let nameless = Nameless::read(&study, folder, participants)?;
+    nameless.clear(&mut run.analysis.flow);
     let (road, minutes) = driven(folder, &run)?;
     let scenario = options.parameter("scenario");
     let scenario = scenario.map(|path| read_scenario(Some(Path::new(path)), None));
@@ -107,18 +109,14 @@ pub(super) fn page(
     };
     let mut sections = sections(folder, &run, &page, (&sample, &watched))?;
     let missing = missing(&study, folder, options.participants.as_deref())?;
+    let missing = nameless.missing(missing);
     sections.extend(not_there::section_missing(&run, &missing)?);
     not_there::list(&options.out, &missing)?;
-    let nameless = Nameless::read(&study, folder, participants)?;
     let exclusions = nameless.counted(left_out(&run).chain(listed_exclusions(folder)?));
     let exclusions = each_reason_once(exclusions);
-    let player = watch::player(&run, watched);
-    let moving = live(folder, &run)?.into_iter().chain(player);
-    // Without its figure, a part that moves has nothing to stand for it on paper.
-    let figures = sections.iter().chain(&supplement).flat_map(|s| &s.figures);
-    let drawn: BTreeSet<&str> = figures.map(|f| f.name.as_str()).collect();
-    let moving = moving.filter(|live| drawn.contains(live.below.as_str()));
-    let moving = moving.collect();
+    let live = live(folder, &run)?.into_iter();
+    let live = live.chain(watch::player(&run, watched));
+    let live = with_figures(live, sections.iter().chain(&supplement));
     let files = parameter_files(&options.parameters);
     let shown = study.path.iter().chain(&files).cloned();
     let shown = nameless.files(shown_whole(&shown.collect::<Vec<_>>())?);
@@ -133,7 +131,7 @@ pub(super) fn page(
         glossary: glossary(),
         cards: cards(&run, &reliabilities, ledger.as_deref())?,
         summary: declaration,
-        live: moving,
+        live,
         sections,
         supplement,
         methods: Methods {
@@ -152,8 +150,20 @@ pub(super) fn page(
         },
         ..Report::new(study.design.title(), page.subtitle()?, &run.context)
     };
-    report.beside = page.manuscript(&report, &run.scales, &reliabilities)?;
+    let groups = people.groups();
+    report.beside = page.manuscript(&report, &groups, &run.scales, &reliabilities)?;
     Ok((report, page.lines()?))
+}
+
+/// The parts that move whose figure is drawn: without it they have nothing to stand for them on paper.
+fn with_figures<'a>(
+    live: impl Iterator<Item = Live>,
+    sections: impl Iterator<Item = &'a Section>,
+) -> Vec<Live> {
+    let figures = sections.flat_map(|section| &section.figures);
+    let drawn: BTreeSet<&str> = figures.map(|figure| figure.name.as_str()).collect();
+    live.filter(|live| drawn.contains(live.below.as_str()))
+        .collect()
 }
 
 /// The paper's claims in this file, each with our result and what made it.

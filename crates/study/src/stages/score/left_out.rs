@@ -4,7 +4,8 @@ use super::{Moments, ScoreAnswers};
 use crate::{
     design::DesignFile,
     error::StudyError,
-    gate::Gate,
+    gate::{Gate, counted},
+    once::names,
     tables::drives::{kept_out, listed_rides},
 };
 use maveric_analysis::Why;
@@ -116,6 +117,26 @@ pub(super) fn let_in(
     Ok((left_out, Some(gate)))
 }
 
+/// Why there is not one answer to score: none was given, or none is let in.
+pub(super) fn nothing_to_score(left_out: &LeftOutAnswers) -> StudyError {
+    if left_out.is_empty() {
+        return StudyError::not_possible("the surveys hold no answers");
+    }
+    let answers = left_out
+        .iter()
+        .flat_map(|((.., why), n)| std::iter::repeat_n(why, *n));
+    let rules = counted(["answer", "answers"], answers).join("; ");
+    let reasons: BTreeSet<&str> = left_out
+        .keys()
+        .map(|(.., why)| why.reason.as_str())
+        .collect();
+    let reasons: Vec<&str> = reasons.into_iter().collect();
+    StudyError::not_possible(format!(
+        "the surveys hold no answers that are let in: {rules}"
+    ))
+    .with_help(names(&reasons))
+}
+
 /// What a warning says, in a line; of a table of answers after rides that it is of these alone.
 pub(super) fn line(warning: &ScoreWarning, moments: Moments) -> String {
     match warning {
@@ -124,6 +145,11 @@ pub(super) fn line(warning: &ScoreWarning, moments: Moments) -> String {
         }
         _ => warning.to_string(),
     }
+}
+
+/// What a list of exclusions calls the answers of a time.
+pub(crate) fn of_answers(moment: Moment) -> String {
+    format!("answers ({moment})")
 }
 
 /// The rows of who and what was left out, or is doubtful and kept.
@@ -143,7 +169,7 @@ pub(super) fn exclusions(
     });
     let kept_out = left_out.keys().map(|(who, moment, why)| Exclusion {
         who: who.to_string(),
-        what: format!("answers ({moment})"),
+        what: of_answers(*moment),
         why: why.to_string(),
     });
     doubted.chain(kept_out).collect()

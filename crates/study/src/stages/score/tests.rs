@@ -1,4 +1,5 @@
 use super::*;
+use crate::tables::{read_rows, surveys::read_scores};
 
 const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 6\nmin = 1\nmax = 5\nscoring = \"mean\"\nreversed = [2, 4]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2, 3, 4, 5, 6]\n";
 
@@ -69,6 +70,97 @@ fn sheets_are_counted_where_one_item_has_no_reliability() {
     };
     let found = reliability(&matrix, &[], &[]);
     assert_eq!((found.n, found.dropped, found.alpha), (2, 1, None));
+}
+
+#[test]
+fn what_is_said_of_an_item_is_of_the_whole_sheets_that_are_counted_beside_it() {
+    let whole = [
+        sheet("A", "pre", [1, 4, 2, 5, 3, 2], "5"),
+        sheet("B", "pre", [5, 1, 4, 2, 5, 4], "5"),
+        sheet("C", "pre", [3, 3, 4, 2, 3, 4], "5"),
+        sheet("D", "pre", [1, 4, 1, 5, 2, 2], "5"),
+    ]
+    .concat();
+    let first_item = |rows: &str| {
+        let (done, _) = run(rows, Moments::All).unwrap();
+        let found = &done.value.reliabilities[0];
+        (found.n, found.dropped, found.item[0].floor)
+    };
+    assert_eq!(first_item(&whole), (4, 0, 2));
+    let cut = whole.replace("D,pre,calm,3,1,", "D,pre,calm,3,,");
+    assert_eq!(first_item(&cut), (3, 1, 1));
+}
+
+/// What comes of answers by a study of two conditions: the scores, or what is said.
+fn in_a_study(
+    rows: &str,
+    moments: Moments,
+) -> Result<(Outcome<ScoredSurveys>, Vec<Score>), String> {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let write = |name: &str, text: &str| std::fs::write(at(name), text).unwrap();
+    std::fs::create_dir(at("scales")).unwrap();
+    write("scales/calm.toml", SCALE);
+    let conditions = "[[condition]]\nid = \"same\"\n[[condition]]\nid = \"fast\"\n";
+    write(
+        "study.toml",
+        &format!("[study]\ntitle = \"t\"\n{conditions}"),
+    );
+    write("people.csv", "participant\nA\nB\n");
+    let header = "participant,moment,scale,item,answer,seconds\n";
+    write("surveys.csv", &format!("{header}{rows}"));
+    let options = ScoreAnswers {
+        design: Some(at("study.toml")),
+        surveys: vec![at("surveys.csv")],
+        participants: Some(at("people.csv")),
+        scales: Some(at("scales")),
+        drives: Vec::new(),
+        moments,
+        out: at("scores.csv"),
+    };
+    let done = options.run(Watch::unwatched());
+    let done = done.map_err(|e| [e.to_string(), e.suggestion().unwrap_or_default()].join("\n"))?;
+    // Whatever reads them finds tables, be they empty.
+    let reliabilities: Vec<Reliability> = read_rows(&reliabilities_path(&options.out)).unwrap();
+    let items: Vec<ItemMean> = read_rows(&item_means_path(&options.out)).unwrap();
+    let scores = read_scores(&options.out).unwrap();
+    assert_eq!(
+        reliabilities.is_empty() && items.is_empty(),
+        scores.is_empty()
+    );
+    Ok((done, scores))
+}
+
+#[test]
+fn where_no_ride_was_rated_the_tables_of_what_was_said_after_drives_are_empty() {
+    let before = sheet("A", "pre", [1, 4, 2, 5, 3, 2], "5");
+    let (done, scores) = in_a_study(&before, Moments::After).unwrap();
+    assert!(scores.is_empty());
+    let said = "no answers after a drive".to_owned();
+    assert!(done.summary.contains(&said), "{:?}", done.summary);
+    let (done, scores) = in_a_study(&before, Moments::All).unwrap();
+    assert_eq!(scores.len(), 1);
+    assert!(!done.summary.contains(&said), "{:?}", done.summary);
+    let rated = before + &sheet("B", "fast", [1, 4, 2, 5, 3, 2], "5");
+    let (done, scores) = in_a_study(&rated, Moments::After).unwrap();
+    assert_eq!(scores.len(), 1);
+    assert!(!done.summary.contains(&said), "{:?}", done.summary);
+    let error = in_a_study("", Moments::After).unwrap_err();
+    assert_eq!(error.trim(), "the surveys hold no answers");
+}
+
+#[test]
+fn answers_none_of_which_is_let_in_are_counted_and_it_is_said_why() {
+    let unknown = sheet("A", "Pre", [1, 4, 2, 5, 3, 2], "5");
+    let error = in_a_study(&unknown, Moments::All).unwrap_err();
+    assert!(
+        error.starts_with(
+            "the surveys hold no answers that are let in: 6 answers left out by unknown condition"
+        ) && error.contains("`Pre` is none of the design's: same, fast"),
+        "{error}"
+    );
+    let (done, scores) = in_a_study(&unknown, Moments::After).unwrap();
+    assert!(scores.is_empty() && done.warnings.iter().any(|w| w.contains("`Pre`")));
 }
 
 #[test]

@@ -1,13 +1,16 @@
 //! A call of a test: its table, what is done to it, and how the result is shown.
 
 use super::{
-    input::{self, Input, Show},
+    input::{self, Input, Long, Show},
     pictures,
     ran::Ran,
     statistical_test::Test,
 };
 use crate::{error::StudyError, outcome::Outcome, outputs::spare_inputs, tables::Table};
+use maveric_stats::StatsError as Refused;
+use path_slash::PathExt as _;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 
 // No doc: the test's own is its help.
 #[allow(missing_docs, reason = "a doc comment would stand in its help")]
@@ -48,6 +51,10 @@ impl<T: Test> Call<T> {
                 return Err(StudyError::not_possible(problem).with_help(help));
             }
         }
+        if input.apa && !T::HAS_SENTENCE {
+            let problem = format!("`{}` has no sentence", T::NAME);
+            return Err(StudyError::not_possible(problem).with_help("leave out --apa"));
+        }
         let whole = table()?;
         if whole.rows() == 0 {
             return Err(StudyError::file(&input.data, "has a header but no rows"));
@@ -55,7 +62,10 @@ impl<T: Test> Call<T> {
         let table = input.read(whole, test.long(), T::NAME)?;
         let by_value = by_value(test, &table).into_iter();
         let runs = by_value.map(|(outcome, test)| {
-            let ran = test.run(&table).map_err(|e| with_shape(e, &table, input))?;
+            let ran = test.run(&table);
+            let long = test.long();
+            let ran =
+                ran.map_err(|e| with_shape(in_table(e, &table, &outcome), &table, input, long))?;
             Ok((outcome, ran))
         });
         shown(
@@ -94,8 +104,9 @@ fn shown(
     let show = input.show();
     let several = runs.len() > 1;
     let (mut values, mut summary, mut warnings) = (Map::new(), Vec::new(), Vec::new());
-    let mut pictures = Vec::new();
+    let (mut pictures, mut labels) = (Vec::new(), BTreeSet::new());
     for (outcome, mut ran) in runs {
+        ran.printed.label_apart(&mut labels);
         if show == Show::Apa && ran.statements.is_empty() {
             let problem = format!("`{test}` has no sentence for these data");
             let help = "leave out --apa: the report says what it found, and why it has no value";
@@ -140,9 +151,30 @@ fn shown(
     Ok(Outcome::new(value, summary, warnings))
 }
 
-/// A refusal that has to do with the table's shape says what that is, and what might be meant.
-fn with_shape(error: StudyError, table: &Table, input: &Input) -> StudyError {
-    use maveric_stats::StatsError as Refused;
+/// A refusal of a cell by its row and column in the file; `value` is the column of values.
+fn in_table(error: StudyError, table: &Table, value: &str) -> StudyError {
+    match error {
+        StudyError::Stats(Refused::NotWhole { row, value: found }) => {
+            let expected = "a whole number, as ordered answers are";
+            table.bad_cell(row, value, found.to_string(), expected)
+        }
+        StudyError::Stats(Refused::Unreadable {
+            row,
+            what,
+            text,
+            expected,
+        }) => table.bad_cell(row, &what, text, expected),
+        other => other,
+    }
+}
+
+/// A refusal of the test names the table; one that has to do with its shape says what that is, and what might be meant.
+fn with_shape(
+    error: StudyError,
+    table: &Table,
+    input: &Input,
+    long: Option<Long<'_>>,
+) -> StudyError {
     let of_shape = matches!(
         &error,
         StudyError::NoColumn { .. }
@@ -152,16 +184,24 @@ fn with_shape(error: StudyError, table: &Table, input: &Input) -> StudyError {
                     | Refused::TooFew { .. }
             )
     );
+    let problem = match &error {
+        StudyError::Stats(refused) => format!("{}: {refused}", table.path().to_slash_lossy()),
+        other => other.to_string(),
+    };
     if !of_shape {
-        return error;
+        return match error {
+            StudyError::Stats(refused) => StudyError::NotPossible {
+                problem,
+                help: refused.suggestion().map(str::to_owned),
+            },
+            other => other,
+        };
     }
-    let advice = || input::advice(table).filter(|_| input.wide.is_empty());
-    let help: Vec<String> = [error.suggestion(), advice()]
-        .into_iter()
-        .flatten()
-        .collect();
+    let wide_is_wanted = long.filter(|long| input.wide.is_empty() && !long.is_in(table));
+    let advice = wide_is_wanted.and_then(|_| input::advice(table));
+    let help: Vec<String> = [error.suggestion(), advice].into_iter().flatten().collect();
     StudyError::NotPossible {
-        problem: format!("{error}; {}", input::shape(table)),
+        problem: format!("{problem}; {}", input::shape(table)),
         help: (!help.is_empty()).then(|| help.join("; ")),
     }
 }

@@ -52,13 +52,13 @@ impl WithinColumns {
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct Conditions {
     /// Column that says whose row it is
-    #[arg(long, requires = "within")]
+    #[arg(long, default_value_if("wide", ArgPredicate::IsPresent, ROW))]
     pub(super) subject: Option<String>,
     /// Column that says in which condition
-    #[arg(long, requires = "subject")]
+    #[arg(long, default_value_if("wide", ArgPredicate::IsPresent, "condition"))]
     pub(super) within: Option<String>,
     /// Column with the value; several, as in score,speed, are analysed one by one
-    #[arg(long)]
+    #[arg(long, default_value_if("wide", ArgPredicate::IsPresent, "value"))]
     pub(super) value: Option<String>,
 }
 
@@ -69,6 +69,11 @@ impl Conditions {
             within: self.within.as_deref()?,
             value: self.value.as_deref()?,
         })
+    }
+
+    /// What is missing where one of the columns of conditions is named without the other.
+    pub(super) fn lacks(&self) -> Option<&'static str> {
+        (self.subject.is_some() != self.within.is_some()).then_some("--subject and --within")
     }
 
     /// The values of one sample.

@@ -17,7 +17,8 @@ pub struct Input {
     /// Keep the rows that have this value in this column; several: all of them
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = column_and_value, help_heading = "The table")]
     pub keep: Vec<(String, String)>,
-    /// Columns that are conditions, in the place of --within and --value (which then name what they become); without --subject a row is a subject
+    /// Columns that are conditions or groups, in the place of --within and --value (which then name what they become), for calls that compare
+    /// some; without --subject a row is a subject
     #[arg(
         long,
         value_name = "A,B,…",
@@ -25,7 +26,7 @@ pub struct Input {
         help_heading = "The table"
     )]
     pub wide: Vec<String>,
-    /// Print the sentences alone, as APA has them
+    /// Print the sentences alone, as APA has them, of calls that have some
     #[arg(long, group = "shown", help_heading = "The result")]
     pub apa: bool,
     /// Print the tables in LaTeX (booktabs)
@@ -34,7 +35,7 @@ pub struct Input {
     /// Print the tables in Markdown
     #[arg(long, group = "shown", help_heading = "The result")]
     pub markdown: bool,
-    /// Draw the result into this file
+    /// Draw the result into this file, where there are conditions, groups, estimates or two columns to draw
     #[arg(long, value_name = "OUT.svg|png|pdf", help_heading = "The result")]
     pub figure: Option<PathBuf>,
 }
@@ -80,6 +81,12 @@ impl<'a> Long<'a> {
             within: group,
             value,
         }
+    }
+
+    /// Whether a table has all these columns: then it is long, and was read as it is.
+    pub(super) fn is_in(&self, table: &Table) -> bool {
+        let columns = [self.subject, Some(self.within), Some(self.value)];
+        columns.into_iter().flatten().all(|name| table.has(name))
     }
 }
 

@@ -15,7 +15,7 @@ mod within;
 pub(super) use bayes::{bayes, bayes_correlation};
 pub(super) use chosen::by_design;
 pub(super) use correlations::{correlation, rm_correlation};
-pub(super) use factors::{aligned, factorial};
+pub(super) use factors::{aligned, at_covariates, factorial};
 pub(super) use groups::{equivalence, groups};
 pub(super) use models::{mixed, ordinal};
 pub(super) use pairs::posthoc;
@@ -29,6 +29,7 @@ use maveric_stats::{
     Reasons,
     apa::{Statement, Statements},
 };
+use std::collections::BTreeSet;
 
 /// A result in words and tables.
 #[derive(Debug, Default)]
@@ -112,6 +113,18 @@ impl Printed {
         self.lines("No value (–)", lines.collect())
     }
 
+    /// Gives a table whose name is taken one with a number, so that each label of a paper is of one table.
+    pub(super) fn label_apart(&mut self, taken: &mut BTreeSet<String>) {
+        for table in self.tables.iter_mut().filter(|t| !t.rows.is_empty()) {
+            let name = table.name.clone();
+            let mut number = 1;
+            while !taken.insert(table.name.clone()) {
+                number += 1;
+                table.name = format!("{name}-{number}");
+            }
+        }
+    }
+
     /// Lines for a terminal (`Table::to_text`), or GitHub's Markdown.
     pub(super) fn written(&self, table_text: fn(&Table) -> String) -> Vec<String> {
         let mut lines = self.heading.clone();
@@ -169,4 +182,32 @@ pub(super) fn named_sentence((name, sentence): (String, Statement)) -> String {
 pub(super) fn named_sentences(result: &impl Statements) -> Vec<String> {
     let statements = result.statements().into_iter();
     statements.map(named_sentence).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cells::table, *};
+    use maveric_report::tables::Cell;
+
+    #[test]
+    fn two_tables_of_one_name_have_labels_of_their_own() {
+        let made = |title: &str| {
+            table(title, [1_usize])
+                .right("*n*", |n| Cell::count(*n))
+                .done()
+        };
+        let mut first = Printed::default()
+            .table(made("Pairs of sex"))
+            .lines("Pairs of sex", vec!["no table".to_owned()])
+            .table(made("Pairs of sex"));
+        let mut second = Printed::default().table(made("Pairs of sex"));
+        let mut taken = BTreeSet::new();
+        first.label_apart(&mut taken);
+        second.label_apart(&mut taken);
+        let latex = [first.latex(), second.latex()].concat();
+        let labels: Vec<&String> = latex.iter().filter(|l| l.contains("\\label")).collect();
+        let expected = ["pairs-of-sex", "pairs-of-sex-2", "pairs-of-sex-3"]
+            .map(|name| format!("\\label{{tab:{name}}}"));
+        assert_eq!(labels, expected.iter().collect::<Vec<_>>());
+    }
 }

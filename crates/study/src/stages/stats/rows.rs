@@ -22,7 +22,6 @@ pub(super) struct FactorColumns {
     #[arg(
         long,
         value_delimiter = ',',
-        requires = "subject",
         required_unless_present_any = ["between", "wide"],
         default_value_if("wide", ArgPredicate::IsPresent, "condition")
     )]
@@ -47,6 +46,12 @@ pub(super) struct FactorColumns {
 }
 
 impl FactorColumns {
+    /// What else a factor within subjects asks for: whose rows they are.
+    pub(super) fn lacks(&self) -> Option<&'static str> {
+        let nobody = self.subject.is_none() && !self.within.is_empty();
+        nobody.then_some("--subject with --within")
+    }
+
     /// As conditions, where there is one factor within subjects.
     pub(super) fn long(&self) -> Option<Long<'_>> {
         let [within] = &self.within[..] else {
@@ -134,6 +139,11 @@ impl DesignRows {
         let between = self.between.iter().map(|(name, _)| name.as_str());
         let within = self.within.iter().map(|(name, _)| name.as_str());
         between.chain(within).collect()
+    }
+
+    /// Its columns of numbers whose influence is taken out.
+    pub(super) fn covariates(&self) -> Vec<String> {
+        self.covariates.iter().map(|(n, _)| n.clone()).collect()
     }
 
     /// Levels of each factor in order of appearance, those between subjects first.

@@ -9,6 +9,8 @@ pub trait Test: clap::Args + Clone {
     const NAME: &'static str;
     /// Whether it draws: conditions, groups, contrasts, or two columns.
     const HAS_FIGURE: bool = true;
+    /// Whether it says what it found in a sentence.
+    const HAS_SENTENCE: bool = true;
 
     /// Options without which it cannot run, if one is lacking.
     fn lacks(&self) -> Option<&'static str> {

@@ -63,7 +63,11 @@ pub(super) fn texts(
         errors: one.map(|m| &m.errors),
         days_of: one.and_then(|m| m.days_of),
         beyond: mean(&beyond).unwrap_or(0.0),
-        largest: format!("{:.1e}", moves.fold(0.0, f64::max)),
+        largest: match moves.fold(0.0, f64::max) {
+            // What a step of the dial leaves by rounding is nothing.
+            rounding if rounding < 1e-9 => "0".to_owned(),
+            moved => format!("{moved:.1e}"),
+        },
     };
     Ok(PageTexts::new(VALIDATION, &words)?)
 }

@@ -3,7 +3,7 @@
 use super::columns::LongRow;
 use crate::{
     differentiate::fill_speeds,
-    mapping::{Directions, GapKind, Long, Point, TableMapping},
+    mapping::{Directions, Forward, GapKind, Long, Point, TableMapping},
     median::median,
     raw::{EgoSample, EgoSamples, table::lane::Lanes},
 };
@@ -17,6 +17,20 @@ pub(super) struct Frame<'a> {
     pub(super) lanes: Lanes,
     pub(super) mapping: &'a TableMapping,
     pub(super) long: &'a Long,
+}
+
+impl Frame<'_> {
+    /// A speed the way that a vehicle points: below zero it reverses. Where the table's vehicles drive against its x, the sign may be
+    /// that of x, and none reverses.
+    fn forwards(&self, speed_mps: f64) -> f64 {
+        let all_along_x =
+            self.long.directions == Directions::Along && self.long.forward == Forward::AlongX;
+        if all_along_x {
+            speed_mps
+        } else {
+            speed_mps.abs()
+        }
+    }
 }
 
 /// What a row says of the vehicle ahead; positions in the frame of the road.
@@ -43,6 +57,8 @@ pub(super) struct Vehicle {
     pub(super) length_known: bool,
     /// Rising in time.
     pub(super) samples: EgoSamples,
+    /// How many of them have no speed of their own, but that of their positions.
+    pub(super) differentiated: usize,
     /// What each sample's row says of the vehicle ahead.
     pub(super) leads: Vec<Option<Lead>>,
     /// Its place among the names of vehicles, which a row may say alone.
@@ -117,7 +133,7 @@ fn vehicle(
             }
             Point::Centre => {}
         }
-        let speed = row.speed_mps.is_finite().then_some(row.speed_mps.abs());
+        let speed = Some(frame.forwards(row.speed_mps)).filter(|v| v.is_finite());
         EgoSample {
             stamp_ns: row.stamp_ns,
             log_ns: row.stamp_ns,
@@ -133,8 +149,11 @@ fn vehicle(
         }
     };
     let mut samples: EgoSamples = rows.iter().map(sample).collect();
-    if samples.speed_mps.iter().any(|v| v.is_nan()) {
+    let unknown = |samples: &EgoSamples| samples.speed_mps.iter().filter(|v| v.is_nan()).count();
+    let mut differentiated = unknown(&samples);
+    if differentiated > 0 {
         fill_speeds(&mut samples, max_gap_s);
+        differentiated -= unknown(&samples);
     }
     let leads = rows
         .iter()
@@ -149,6 +168,7 @@ fn vehicle(
         length_known: known.is_some(),
         leads: leads.collect(),
         lead_ids: rows.iter().map(|r| r.lead_id).collect(),
+        differentiated,
         samples,
     }
 }
@@ -210,7 +230,7 @@ fn lead(
     Some(Lead {
         id: row.lead_id,
         x_m,
-        speed_mps: row.lead_speed_mps.abs(),
+        speed_mps: frame.forwards(row.lead_speed_mps),
         length_m,
         length_known: known,
     })
@@ -258,6 +278,6 @@ impl LaneCentres {
                 lanes.kept_m(y_m - median.copied().unwrap_or(y_m))
             }
         };
-        lanes.centre_m(row.lane) + in_lane_m
+        lanes.at_m(row.lane, in_lane_m)
     }
 }

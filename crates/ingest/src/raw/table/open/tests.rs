@@ -21,10 +21,18 @@ fn foreign_parquet() -> Vec<u8> {
             1_562_235_693_300_000,
         ],
     );
+    let zoned = |name: &str, zone: &str| {
+        let zone = polars_core::prelude::TimeZone::opt_try_new(Some(zone)).unwrap();
+        let mut values = stamps.clone().into_datetime(TimeUnit::Microseconds, zone);
+        values.rename(name.into());
+        values.into_column()
+    };
     let words = Series::new("".into(), ["a", "b", "a"]);
     let lists = Series::new("".into(), [1_i64, 2]);
     let lists = Series::new("lists".into(), vec![lists; 3]);
     let columns = vec![
+        zoned("when_utc", "UTC"),
+        zoned("when_berlin", "Europe/Berlin"),
         column("when", stamps, us),
         whole("day", DataType::Date),
         whole("i8", DataType::Int8),
@@ -115,6 +123,37 @@ fn a_row_of_too_many_cells_and_a_doubled_name_are_refused() {
 }
 
 #[test]
+fn rows_that_lack_a_wanted_cell_are_told_and_a_last_one_that_is_cut_is_left_out() {
+    let told = |text: &str| {
+        let table = open(text, &[("t", Kind::Number), ("v", Kind::Number)]).unwrap();
+        let warnings = table.warnings().iter().map(|w| (w.count, w.what.clone()));
+        (table.rows(), warnings.collect::<Vec<_>>())
+    };
+    let (rows, warnings) = told("t,v,w\n0,1,a\n1\n2,3,b\n3\n");
+    assert_eq!((rows, warnings.len(), warnings[0].0), (4, 1, 2));
+    assert!(
+        warnings[0].1.contains("row 2 after 1 of 3 cells"),
+        "{warnings:?}"
+    );
+    let (rows, warnings) = told("t,v,w\n0,19.4,a\n1,1");
+    assert_eq!((rows, warnings.len(), warnings[0].0), (1, 1, 1));
+    assert!(
+        warnings[0].1.contains("row, 2, ends after 2 of 3 cells"),
+        "{warnings:?}"
+    );
+    // Every wanted cell is there, or the last row is as wide as the one above it.
+    for text in [
+        "t,v,w\n0,1,a\n1,2\n",
+        "t,v,w\n0,1,a\n1,2,b",
+        "t,v,w\n0,1\n1,2",
+    ] {
+        assert_eq!(told(text), (2, Vec::new()), "{text:?}");
+    }
+    let error = open("t,v\n0", &[("v", Kind::Number)]).unwrap_err();
+    assert!(error.to_string().contains("no rows"), "{error}");
+}
+
+#[test]
 fn a_text_in_another_encoding_or_with_other_line_ends_says_so_with_its_line() {
     let refused = |text: &[u8]| {
         let wanted = [("t", Kind::Number), ("w", Kind::Word)];
@@ -167,15 +206,20 @@ fn parquet_of_other_programs_is_read_whatever_its_types_and_yes_and_no_are_no_sp
         frames_per_s: 1.0,
         hole_ns: 0,
     };
-    let stamps = crate::raw::table::time::as_written(&table, "when", clock).unwrap();
-    assert_eq!(stamps[0], Some(1_562_235_693_100_000_000));
-    assert_eq!(stamps[2], Some(1_562_235_693_300_000_000));
+    // An instant is the same one in every zone.
+    for name in ["when", "when_utc", "when_berlin"] {
+        let table = read(&[(name, Kind::Word)]).unwrap();
+        let stamps = crate::raw::table::time::as_written(&table, name, clock).unwrap();
+        assert_eq!(stamps[0], Some(1_562_235_693_100_000_000), "{name}");
+        assert_eq!(stamps[2], Some(1_562_235_693_300_000_000), "{name}");
+    }
     for (name, found) in [
         (
             "valid",
             "column `valid` holds yes and no (bool): expected a finite number",
         ),
         ("when", "`time = \"iso8601\"`"),
+        ("when_utc", "`time = \"iso8601\"`"),
         ("day", "column `day` holds times (date)"),
         ("duration", "column `duration` holds times (duration[ms])"),
         ("kind", "`a`"),

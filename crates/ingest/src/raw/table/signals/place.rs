@@ -1,7 +1,10 @@
 //! Where ego is across the road: its lane, and its place in it.
 
 use super::{
-    super::{lane::Lanes, open::Kind},
+    super::{
+        lane::{Lanes, beyond_lane, is_beyond},
+        open::Kind,
+    },
     rows::Files,
 };
 use crate::{
@@ -188,6 +191,10 @@ impl Across {
             let count = standing_in.len();
             report(warnings, log, WarningKind::Default, count, &what);
         }
+        let offsets = self.offsets.iter().flatten();
+        let beyond = offsets.filter(|(_, m)| is_beyond(*m, road.lane_width_m));
+        let (beyond, what) = (beyond.count(), beyond_lane(road.lane_width_m));
+        report(warnings, log, WarningKind::Unit, beyond, &what);
         // The marking that is crossed lies between the lanes.
         let crossing = |c: &Change| {
             let middle = place.centre_m(c.stamp_ns) - 0.5 * c.to_left as f64 * place.width_m;
@@ -429,5 +436,7 @@ mod tests {
             "nothing seen: the centre"
         );
         assert!(warnings[0].what.contains("the lane's centre stands in"));
+        // That of 3 m.
+        assert_eq!((warnings.len(), warnings[1].count), (2, 1));
     }
 }

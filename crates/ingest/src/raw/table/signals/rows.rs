@@ -25,16 +25,24 @@ pub(super) struct Files<'a> {
     /// The files of the one table, with their bytes.
     table: Vec<(PathBuf, Vec<u8>)>,
     sources: &'a mut Vec<Source>,
+    /// What is to be told of the files that were opened, once each.
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl<'a> Files<'a> {
-    pub(super) fn new(log: TableLog<'a>, sources: &'a mut Vec<Source>) -> Self {
+    /// The signals of a log; `table` holds the files of the one table, if they stand in one.
+    pub(super) fn new(
+        log: &TableLog<'a>,
+        table: Vec<(PathBuf, Vec<u8>)>,
+        sources: &'a mut Vec<Source>,
+    ) -> Self {
         Self {
             log: log.path,
             clock: log.clock(),
             style: log.mapping.into(),
-            table: log.files,
+            table,
             sources,
+            warnings: Vec::new(),
         }
     }
 
@@ -56,15 +64,22 @@ impl<'a> Files<'a> {
         file: &str,
         wanted: &[(&str, Kind)],
     ) -> Result<Table, IngestError> {
-        if file.is_empty() {
-            return Table::open_all(self.table.clone(), self.style, wanted);
+        let table = if file.is_empty() {
+            Table::open_all(self.table.clone(), self.style, wanted)?
+        } else {
+            let path = self.path(file);
+            let mut read = Vec::new();
+            let bytes = take(&path, &mut read)?;
+            read.retain(|source| !self.sources.contains(source));
+            self.sources.append(&mut read);
+            Table::open(&path, bytes, self.style, wanted)?
+        };
+        for warning in table.warnings() {
+            if !self.warnings.contains(warning) {
+                self.warnings.push(warning.clone());
+            }
         }
-        let path = self.path(file);
-        let mut read = Vec::new();
-        let bytes = take(&path, &mut read)?;
-        read.retain(|source| !self.sources.contains(source));
-        self.sources.append(&mut read);
-        Table::open(&path, bytes, self.style, wanted)
+        Ok(table)
     }
 
     /// Opens the file of a signal and finds its rows.

@@ -195,6 +195,74 @@ fn soscis_codes_are_read_from_utf_16_and_its_questionnaire_says_when() {
     assert_eq!(same, table);
 }
 
+#[test]
+fn soscis_questionnaire_says_when_in_a_download_of_one_alone_too() {
+    let one = "CASE\tSERIAL\tREF\tQUESTNNR\tMODE\tCA01_01\tCA01_02\tCA01_03\n41\tP01\t\tnachK\tinterview\t1\t2\t3\n";
+    let scale = "[scales.calm]\ncolumn = \"CA01_{item}\"\n";
+    let map = format!("[moments]\nnachK = \"calm\"\n{scale}");
+    let (warnings, table) = mapped(one.as_bytes(), Some(&map)).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!(rows(&table)[0], "P01,calm,calm,1,1");
+    // A word that means nothing: from before the drives, as far as anybody knows, and told.
+    let (warnings, table) = mapped(one.as_bytes(), Some(scale)).unwrap();
+    assert_eq!(rows(&table)[0], "P01,pre,calm,1,1");
+    assert!(
+        warnings[0].contains("column `QUESTNNR` has `nachK` alone"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn every_kind_of_preview_is_nobodys_answer_and_possible_spam_is_told() {
+    let with = |status: &str| {
+        let text = QUALTRICS.replacen("08:28:48,1,100", &format!("08:28:48,{status},100"), 1);
+        let (warnings, table) = mapped(text.as_bytes(), Some(BY_NAME)).unwrap();
+        (warnings, table.contains("P00,"))
+    };
+    for status in [
+        "2",
+        "9",
+        "17",
+        "256",
+        "Survey Preview Spam",
+        "Offline Survey Preview",
+        "Synthetic",
+    ] {
+        let (warnings, is_there) = with(status);
+        assert!(!is_there, "{status}");
+        assert_eq!(warnings, ["1 row of previews and tests: left out"]);
+    }
+    for status in ["0", "4", "16", "IP Address"] {
+        assert_eq!(with(status), (Vec::new(), true), "{status}");
+    }
+    for status in ["8", "12", "Spam"] {
+        let (warnings, is_there) = with(status);
+        assert!(is_there, "{status}");
+        assert_eq!(
+            warnings,
+            ["1 row of possible spam by `Status` (row 1): read like the others"]
+        );
+    }
+}
+
+#[test]
+fn limesurveys_own_columns_may_have_their_texts_behind_their_codes() {
+    let text = "\"id. Response ID\",\"submitdate. Date submitted\",\"lastpage. Last page\",\"token. Token\",\"calm[1]. Was it calm?\",\"calm[2]. And now?\",\"calm[3]. And then?\"\n\
+                \"1\",\"2026-01-01 10:00:00\",\"3\",\"P01\",\"1\",\"2\",\"3\"\n";
+    let map = "[scales.calm]\ncolumn = \"calm[{item}]\"\n";
+    let (_, table) = mapped(text.as_bytes(), Some(map)).unwrap();
+    assert_eq!(rows(&table)[0], "P01,pre,calm,1,1");
+    for name in ["id", "id. Response ID"] {
+        let by_id = format!("participant = \"{name}\"\n{map}");
+        let (_, table) = mapped(text.as_bytes(), Some(&by_id)).unwrap();
+        assert_eq!(rows(&table)[0], "1,pre,calm,1,1");
+    }
+    // What others put behind a full stop is no code.
+    let wide = "token. Token,calm_1,calm_2,calm_3\nP01,1,2,3\n";
+    let error = mapped(wide.as_bytes(), None).unwrap_err();
+    assert!(error.contains("no column `participant`"), "{error}");
+}
+
 /// A study whose answers are these bytes, its design with these keys under `[files]`.
 fn study_of(folder: &Path, files: &str, answers: &[u8]) -> DesignFile {
     std::fs::write(folder.join("answers"), answers).unwrap();

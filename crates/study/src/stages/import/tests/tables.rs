@@ -248,6 +248,30 @@ fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fi
 }
 
 #[test]
+fn the_only_condition_of_a_study_is_known_in_the_names_of_columns() {
+    let proposed = |condition: &str, columns: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let design = format!("[study]\ntitle = \"t\"\n[[condition]]\nid = \"{condition}\"\n");
+        let heads = [1, 2, 3].map(|item| format!("{columns}{item}"));
+        let table = format!("participant,{}\nP01,1,2,3\n", heads.join(","));
+        let options = Import {
+            suggest: true,
+            out: None,
+            ..in_folder(folder.path(), None, table.as_bytes(), None, &design)
+        };
+        options.run(Watch::unwatched()).unwrap().summary.join("\n")
+    };
+    let ride = proposed("ride", "ride_calm_a");
+    assert!(
+        ride.contains("\ncolumn = \"{condition}_calm_a{item}\"\n") && !ride.contains("moment"),
+        "{ride}"
+    );
+    // A word of the scale's own name is none.
+    let own = proposed("calm", "calm_a");
+    assert!(own.contains("\ncolumn = \"calm_a{item}\"\n"), "{own}");
+}
+
+#[test]
 fn a_proposal_is_written_over_a_map_that_is_not_filled_in_alone() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("columns.toml");
@@ -397,4 +421,296 @@ fn a_column_whose_name_stands_twice_is_refused() {
         error.contains("both `calm_3` and `calm_3 (column 5)` hold it"),
         "{error}"
     );
+}
+
+#[test]
+fn a_dot_in_the_name_of_a_column_is_read_by_a_pattern_that_has_it() {
+    let three = |name: &str| {
+        [1, 2, 3]
+            .map(|item| name.replace('#', &item.to_string()))
+            .join(",")
+    };
+    for (name, pattern, moment) in [
+        ("calm.#", "calm.{item}", "pre"),
+        ("calm_#.sporty", "calm_{item}.{condition}", "sporty"),
+        ("sporty.calm_#", "{condition}.calm_{item}", "sporty"),
+        (
+            "rating_sporty.1.player.calm_#",
+            "rating_{condition}.1.player.calm_{item}",
+            "sporty",
+        ),
+    ] {
+        let table = format!("participant,{}\nP01,1,2,3\n", three(name));
+        let map = format!("[scales.calm]\ncolumn = \"{pattern}\"\n");
+        let (warnings, long) = mapped(table.as_bytes(), Some(&map)).unwrap();
+        assert_eq!(rows(&long)[2], format!("P01,{moment},calm,3,3"), "{name}");
+        assert!(warnings.is_empty(), "{name}: {warnings:?}");
+    }
+    let dotted = format!("participant,{}\nP01,1,2,3\n", three("calm.#"));
+    let text = suggest(dotted.as_bytes());
+    assert!(text.contains("\ncolumn = \"calm.{item}\"\n"), "{text}");
+    let (_, long) = mapped(dotted.as_bytes(), Some(&text)).unwrap();
+    assert_eq!(rows(&long)[0], "P01,pre,calm,1,1");
+}
+
+#[test]
+fn a_page_that_is_called_like_a_condition_is_told_where_nothing_says_when() {
+    let page = |name: &str| {
+        let items = [1, 2, 3].map(|item| format!("{name}.1.player.calm_{item}"));
+        format!("participant.label,{}\nP01,1,2,3\n", items.join(","))
+    };
+    let (warnings, long) = mapped(page("rating_sporty").as_bytes(), None).unwrap();
+    assert_eq!(rows(&long)[0], "P01,pre,calm,1,1");
+    assert!(
+        warnings[0].contains("`rating_sporty.1.player` has `sporty` in its name"),
+        "{warnings:?}"
+    );
+    let (warnings, _) = mapped(page("intro").as_bytes(), None).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let said = page("rating_sporty").replace(
+        "rating_sporty.1.player.calm_1",
+        "rating_sporty.1.player.condition,rating_sporty.1.player.calm_1",
+    );
+    let said = said.replace("P01,", "P01,calm,");
+    let (warnings, long) = mapped(said.as_bytes(), None).unwrap();
+    assert_eq!(rows(&long)[0], "P01,calm,calm,1,1");
+    assert!(warnings.is_empty(), "{warnings:?}");
+    // Two of them would both be from before the drives.
+    let [first, second] = ["rating_sporty", "rating_calm"].map(page);
+    let second = second.replace("participant.label,", "");
+    let both: Vec<String> = first
+        .lines()
+        .zip(second.lines())
+        .map(|(a, b)| format!("{a},{}", b.trim_start_matches("P01,")))
+        .collect();
+    let error = mapped(both.join("\n").as_bytes(), None).unwrap_err();
+    assert!(
+        error.contains("answered twice") && error.contains("{condition}"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_pattern_of_whole_names_keeps_the_moment_of_its_page() {
+    let read = |condition: &str, pattern: &str| {
+        let table = OTREE.replace("drive.1.player.condition", condition);
+        let map = format!("[scales.calm]\ncolumn = \"{pattern}\"\n");
+        let (_, long) = run(Software::Otree, &table, Some(&map)).unwrap();
+        rows(&long)[0].to_owned()
+    };
+    let [of_page, whole] = ["drive.1.player.condition", "drive.1.player.calm_{item}"];
+    assert_eq!(read(of_page, whole), "P01,mimic,calm,1,4");
+    // Nothing says it on that page.
+    assert_eq!(read("remark", whole), "P01,pre,calm,1,4");
+    assert_eq!(read("intro.1.player.condition", whole), "P01,pre,calm,1,4");
+    // A pattern that names the moment goes before the page.
+    let named = OTREE.replace("drive.1.player.calm", "drive_cautious.1.player.calm");
+    let map = "[scales.calm]\ncolumn = \"drive_{condition}.1.player.calm_{item}\"\n";
+    let (_, long) = run(Software::Otree, &named, Some(map)).unwrap();
+    assert_eq!(rows(&long)[0], "P01,cautious,calm,1,4");
+}
+
+#[test]
+fn a_moment_that_a_map_names_whole_holds_for_pages_that_have_none() {
+    for moment in ["ride", "my.ride"] {
+        let read = |page: &str| {
+            let table = format!(
+                "participant,{moment},rating.calm_1,rating.calm_2,rating.calm_3{}\nP01,sporty,1,2,3{}\n",
+                if page.is_empty() { "" } else { ",rating.ride" },
+                if page.is_empty() { "" } else { ",calm" },
+            );
+            let map = format!("moment = \"{moment}\"\n");
+            let (_, long) = mapped(table.as_bytes(), Some(&map)).unwrap();
+            rows(&long)[0].to_owned()
+        };
+        assert_eq!(read(""), "P01,sporty,calm,1,1", "{moment}");
+        // The page's own goes before it.
+        let own = if moment == "ride" { "calm" } else { "sporty" };
+        assert_eq!(read("own"), format!("P01,{own},calm,1,1"), "{moment}");
+    }
+}
+
+#[test]
+fn the_column_that_a_map_names_for_the_moment_has_to_be_there_and_may_have_a_dot() {
+    let table = b"participant,my.ride,calm_1,calm_2,calm_3\nP01,sporty,1,2,3\n";
+    let (_, long) = mapped(table, Some("moment = \"my.ride\"\n")).unwrap();
+    assert_eq!(rows(&long)[0], "P01,sporty,calm,1,1");
+    let error = mapped(table, Some("moment = \"my.rde\"\n")).unwrap_err();
+    assert!(error.contains("no column `my.rde`"), "{error}");
+}
+
+#[test]
+fn whose_answers_about_an_unknown_condition_were_left_out_is_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let listed = |text: &str| {
+        let from = Some(Software::Otree);
+        let options = in_folder(folder.path(), from, text.as_bytes(), None, "paper.toml");
+        let done = options.run(Watch::unwatched()).unwrap();
+        let list = exclusions_path(options.out.as_ref().unwrap());
+        (done.summary, std::fs::read_to_string(list).unwrap())
+    };
+    let (summary, list) = listed(&OTREE.replace("cautious", "kautious"));
+    assert!(
+        summary.contains(&"3 answers left out by unknown condition".to_owned()),
+        "{summary:?}"
+    );
+    assert_eq!(list.lines().count(), 2, "{list}");
+    assert!(
+        list.contains("P02,answers (kautious),")
+            && list.contains("`kautious` is none of the design's"),
+        "{list}"
+    );
+    let (_, list) = listed(OTREE);
+    assert_eq!(list.lines().count(), 1, "{list}");
+    // Where nothing else was answered, it is said why there is nothing.
+    let jam = b"participant,condition,calm_1,calm_2,calm_3\nP01,jam,1,2,3\n";
+    let error = mapped(jam, None).unwrap_err();
+    assert!(
+        error.contains("3 answers left out by unknown condition"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_map_that_means_a_condition_which_the_study_does_not_have_is_refused() {
+    let table = b"participant,K_calm_1,K_calm_2,K_calm_3\nP01,1,2,3\n";
+    let map = |meaning: &str| format!("[moments]\nK = \"{meaning}\"\n{BY_NAME}");
+    assert!(mapped(table, Some(&map("sporty"))).is_ok());
+    let error = mapped(table, Some(&map("spotry"))).unwrap_err();
+    assert!(
+        error.contains(
+            "[moments] `K`: `spotry` is no condition of the study, which has calm, sporty"
+        ),
+        "{error}"
+    );
+    let error = mapped(table, Some("[scales.calm]\nmoment = \"clam\"\n")).unwrap_err();
+    assert!(error.contains("[scales.calm] `moment`: `clam`"), "{error}");
+}
+
+#[test]
+fn a_jspsych_trial_of_an_unknown_scale_and_a_sheet_without_some_items_are_told() {
+    let trial = |moment: &str, scale: &str, answers: &str| {
+        format!(
+            r#"{{"trial_type": "survey-likert", "subject": "P01", "condition": "{moment}", "scale": "{scale}", "response": {{{answers}}}}}"#
+        )
+    };
+    let whole = r#""Q0": 1, "Q1": 2, "Q2": 3"#;
+    let go = |second: String| {
+        let text = format!("[{}, {second}]", trial("mimic", "calm", whole));
+        run(Software::Jspsych, &text, None).map(|(warnings, _)| warnings)
+    };
+    assert_eq!(
+        go(trial("cautious", "calm", whole)),
+        Ok(Vec::new()),
+        "nothing to tell"
+    );
+    assert_eq!(
+        go(trial("cautious", "clam", whole)).unwrap(),
+        ["trial 2 of session 1: its `scale` is `clam`, which is none of the study's: not read"]
+    );
+    let short = r#""Q0": 1, "Q1": 2"#;
+    assert_eq!(
+        go(trial("cautious", "calm", short)).unwrap(),
+        ["sheet P01 (cautious): scale `calm` without items 3, which count as not answered"]
+    );
+    let alone = format!("[{}]", trial("mimic", "calm", short));
+    let error = run(Software::Jspsych, &alone, None).unwrap_err();
+    assert!(
+        error.contains("scale `calm`: no trial asks items 3"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_formula_of_which_a_workbook_has_no_value_is_no_answer_in_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |word: &str| {
+        let rows: [&[&str]; 2] = [&["participant", "why_1"], &["P01", word]];
+        let book = workbook(&[("Sheet1", &rows)]);
+        let options = in_folder(folder.path(), None, &book, None, DESIGN);
+        let why = "id = \"why\"\ntitle = \"Why\"\nreference = \"made up\"\n[[item]]\ntext = \"Why?\"\nkind = \"text\"\n";
+        std::fs::write(folder.path().join("scales/why.toml"), why).unwrap();
+        let done = options.run(Watch::unwatched());
+        done.map_err(|e| e.to_string())?;
+        Ok::<_, String>(std::fs::read_to_string(options.out.unwrap()).unwrap())
+    };
+    let error = read("=A2").unwrap_err();
+    assert!(
+        error.contains("item 1 (row 1, `why_1`): found a formula"),
+        "{error}"
+    );
+    for (given, said) in [("calm", ",calm"), ("=1+2#3", ",3")] {
+        let table = read(given).unwrap();
+        assert!(rows(&table)[0].contains(said), "{table}");
+    }
+}
+
+#[test]
+fn a_formula_of_which_a_workbook_has_no_value_is_no_missing_answer() {
+    let book = |last: &str| {
+        let rows: [&[&str]; 2] = [
+            &[
+                "participant",
+                "condition",
+                "calm_1",
+                "calm_2",
+                "calm_3",
+                "sum",
+            ],
+            &["P01", "sporty", "1", "2", last, "=C2+D2"],
+        ];
+        mapped(&workbook(&[("Sheet1", &rows)]), None)
+    };
+    let error = book("=1+2").unwrap_err();
+    assert!(
+        error.contains("item 3 (row 1, `calm_3`): found a formula") && error.contains("save it"),
+        "{error}"
+    );
+    for last in ["=1+2#3", "3"] {
+        let (_, table) = book(last).unwrap();
+        assert_eq!(rows(&table)[2], "P01,sporty,calm,3,3");
+    }
+}
+
+#[test]
+fn a_word_for_no_answer_is_no_text_and_an_answer_between_two_steps_is_told_by_the_step() {
+    let folder = tempfile::tempdir().unwrap();
+    let scale = "id = \"calm\"\ntitle = \"Calm\"\nreference = \"made up\"\n\
+                 [[item]]\ntext = \"How calm?\"\nkind = \"slider\"\nmin = 0\nmax = 100\nstep = 5\nanchors = [\"low\", \"high\"]\n\
+                 [[item]]\ntext = \"Why?\"\nkind = \"text\"\n";
+    let go = |number: &str, words: &str| {
+        let table = format!("participant,calm_1,calm_2\nP01,{number},{words}\n");
+        let map = "missing = [\"-99\"]\n";
+        let options = in_folder(folder.path(), None, table.as_bytes(), Some(map), DESIGN);
+        std::fs::write(folder.path().join("scales/calm.toml"), scale).unwrap();
+        let done = options.run(Watch::unwatched()).map_err(|e| e.to_string())?;
+        let table = std::fs::read_to_string(options.out.unwrap()).unwrap();
+        Ok::<_, String>((done.summary[0].clone(), table))
+    };
+    let (summary, table) = go("95", "-99").unwrap();
+    assert!(summary.starts_with("1 answers of"), "{summary}");
+    assert!(!table.contains("-99"), "{table}");
+    let (summary, table) = go("95", "no traffic").unwrap();
+    assert!(summary.starts_with("2 answers of"), "{summary}");
+    assert!(table.contains("no traffic"), "{table}");
+    let error = go("7", "").unwrap_err();
+    assert!(
+        error.contains("found `7`, expected a whole number from 0 to 100 by 5"),
+        "{error}"
+    );
+}
+
+#[test]
+fn columns_that_are_called_as_by_convention_beside_those_of_a_pattern_are_told() {
+    let table = "participant,calm_1,calm_2,calm_3,sporty_calm_1,sporty_calm_2,sporty_calm_3\nP01,1,2,3,4,5,6\n";
+    let (warnings, long) = mapped(table.as_bytes(), Some(BY_NAME)).unwrap();
+    assert_eq!(rows(&long)[0], "P01,sporty,calm,1,4");
+    assert!(
+        warnings[0].contains("`calm_1` to `calm_3` were not read")
+            && warnings[0].contains("`{condition}_calm_{item}`"),
+        "{warnings:?}"
+    );
+    let named = table.replace(",calm_", ",pre_calm_");
+    let (warnings, long) = mapped(named.as_bytes(), Some(BY_NAME)).unwrap();
+    assert!(warnings.is_empty() && long.contains("P01,pre,calm,1,1"));
 }

@@ -1,6 +1,7 @@
 //! Workbooks, written for tests.
 
-/// A workbook of sheets: what a spreadsheet writes at least (ECMA-376, part 1: 18.2 and 18.3), numbers as numbers and texts in line.
+/// A workbook of sheets: what a spreadsheet writes at least (ECMA-376, part 1: 18.2 and 18.3), numbers as numbers and texts in line. `=1+2` is a
+/// formula without its value, `=1+2#3` one with it.
 #[expect(clippy::format_push_string, reason = "a small file, put together")]
 pub(crate) fn workbook(sheets: &[(&str, &[&[&str]])]) -> Vec<u8> {
     let mut zip: Vec<(String, String)> = Vec::new();
@@ -14,9 +15,13 @@ pub(crate) fn workbook(sheets: &[(&str, &[&[&str]])]) -> Vec<u8> {
             cells += &format!("<row r=\"{}\">", row + 1);
             for (column, word) in line.iter().enumerate().filter(|(_, word)| !word.is_empty()) {
                 let place = format!("{}{}", letters(column), row + 1);
-                cells += &match word.parse::<f64>() {
-                    Ok(number) => format!("<c r=\"{place}\"><v>{number}</v></c>"),
-                    Err(_) => format!(
+                cells += &match (word.strip_prefix('='), word.parse::<f64>()) {
+                    (Some(formula), _) => {
+                        let (formula, value) = formula.split_once('#').unwrap_or((formula, ""));
+                        format!("<c r=\"{place}\"><f>{formula}</f><v>{value}</v></c>")
+                    }
+                    (None, Ok(number)) => format!("<c r=\"{place}\"><v>{number}</v></c>"),
+                    (None, Err(_)) => format!(
                         "<c r=\"{place}\" t=\"inlineStr\"><is><t>{}</t></is></c>",
                         word.replace('&', "&amp;").replace('"', "&quot;")
                     ),

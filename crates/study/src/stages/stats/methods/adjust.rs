@@ -17,6 +17,7 @@ pub struct Adjust {
 impl Test for Adjust {
     const NAME: &'static str = "adjust";
     const HAS_FIGURE: bool = false;
+    const HAS_SENTENCE: bool = false;
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::numbers(plain(&adjust(&table.all_numbers(&self.p)?)?)))

@@ -8,9 +8,10 @@ use maveric_stats::{bayes_correlation, bayes_groups, bayes_one, bayes_paired};
 /// Bayes factors of t tests and correlations
 #[derive(Debug, Clone, clap::Args)]
 #[command(
-    group = clap::ArgGroup::new("design").required(true).args(["subject", "mu", "group", "x"]),
+    group = clap::ArgGroup::new("design").args(["subject", "mu", "group", "x"]),
     after_help = "\
-The table: a row a cell with subject, condition and value; or a row a person with the value, with group and value, or with two values.
+The table: a row a cell with subject, condition and value; or a column a condition, by --wide; or a row a person with the value, with
+group and value, or with two values.
 Examples: maveric stats bayes data.csv --subject id --within condition --value score
           maveric stats bayes data.csv --between vehicle --value score
           maveric stats bayes data.csv --value score --mu=3
@@ -19,13 +20,18 @@ pub struct Bayes {
     #[command(flatten)]
     conditions: Conditions,
     /// What the mean of one sample is compared with
-    #[arg(long, requires = "value", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        requires = "value",
+        conflicts_with = "wide",
+        allow_hyphen_values = true
+    )]
     mu: Option<f64>,
     /// Column that groups the rows
     #[arg(long, visible_alias = "between", requires = "value")]
     group: Option<String>,
     /// First column of a correlation
-    #[arg(long, requires = "y", conflicts_with = "value")]
+    #[arg(long, requires = "y", conflicts_with_all = ["value", "wide"])]
     x: Option<String>,
     /// Second column of a correlation
     #[arg(long, requires = "x")]
@@ -36,6 +42,9 @@ impl Test for Bayes {
     const NAME: &'static str = "bayes";
 
     fn lacks(&self) -> Option<&'static str> {
+        if let Some(lacking) = self.conditions.lacks() {
+            return Some(lacking);
+        }
         let complete = self.x.is_some() || self.mu.is_some() || self.long().is_some();
         (!complete)
             .then_some("--value with --subject and --within, --between or --mu; or --x and --y")
@@ -43,10 +52,10 @@ impl Test for Bayes {
 
     fn long(&self) -> Option<Long<'_>> {
         let value = self.conditions.value.as_deref()?;
-        let of_group = || Some(Long::groups(self.group.as_deref()?, value));
-        match self.conditions.long() {
-            None if self.mu.is_none() => of_group(),
-            conditions => conditions,
+        // A group is named where groups are meant, whatever --wide has conditions become.
+        match self.group.as_deref() {
+            Some(group) => Some(Long::groups(group, value)),
+            None => self.conditions.long(),
         }
     }
 
@@ -78,7 +87,12 @@ impl Test for Bayes {
             None => bayes_groups(&labels(table, factor)?, &table.numbers(value)?)?,
         };
         let rows = DesignRows::one_factor(table, subject, factor, value)?;
-        let picture = pictures::plain_cells(&rows, value, pictures::first(&result));
+        // The factor of one pair among several is none of the whole picture.
+        let title = match result.bayes_t.len() {
+            1 => pictures::first(&result),
+            _ => String::new(),
+        };
+        let picture = pictures::plain_cells(&rows, value, title);
         Ok(Ran::new(&result, printed::bayes(&result)).drawn(picture))
     }
 }

@@ -37,6 +37,9 @@ impl Test for Bootstrap {
     const HAS_FIGURE: bool = false;
 
     fn lacks(&self) -> Option<&'static str> {
+        if let Some(lacking) = self.conditions.lacks() {
+            return Some(lacking);
+        }
         match self.statistic {
             Statistic::Mean | Statistic::Median => {
                 self.conditions.value.is_none().then_some("--value")

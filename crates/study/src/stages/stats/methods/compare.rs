@@ -3,9 +3,11 @@
 use super::{
     ALPHA, DesignRows, FactorColumns, Ran, StudyError, Table, Test, WithinColumns, by_its_columns,
     choices::{MISSING, one_of},
-    pictures, printed,
+    pictures, plain, printed,
 };
-use maveric_stats::{ByDesign, DesignChoice, MissingCells, OutcomeScale, compare_by_design};
+use maveric_stats::{
+    ByDesign, DesignChoice, MissingCells, OutcomeScale, compare_by_design, follow_up,
+};
 
 /// The test that the design calls for: check the assumptions, choose, compare the pairs; say why
 #[derive(Debug, Clone, clap::Args)]
@@ -27,7 +29,8 @@ pub struct Compare {
     /// interaction (age:a:b)
     #[arg(long, value_delimiter = ',', requires = "covariate", value_parser = product)]
     with: Vec<(String, String)>,
-    /// The values are ordered answers: only their order counts
+    /// The values are ordered answers: of one factor only their order counts; of several, or with a covariate, ranks are of each
+    /// person's means and differences of the answers' numbers
     #[arg(long)]
     ordinal: bool,
     /// What becomes of a person without every cell
@@ -39,6 +42,10 @@ impl Test for Compare {
     const NAME: &'static str = "compare";
 
     by_its_columns!();
+
+    fn lacks(&self) -> Option<&'static str> {
+        self.columns.lacks()
+    }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let columns = FactorColumns {
@@ -58,6 +65,10 @@ impl Test for Compare {
             ..DesignChoice::default()
         };
         let result = compare_by_design(&rows.columns(), &choice)?;
+        let after = match &result {
+            ByDesign::Factorial(chosen) => Some(follow_up(&rows.columns(), chosen)?),
+            _ => None,
+        };
         let picture = match (&result, &columns.subject) {
             (ByDesign::OneFactor(one_factor), Some(subject)) => {
                 let c = WithinColumns {
@@ -79,9 +90,14 @@ impl Test for Compare {
                     p,
                 )
             }
-            _ => pictures::by_design(&rows, &columns.value, &result),
+            _ => pictures::by_design(&rows, &columns.value, &result, after.as_ref()),
         };
-        Ok(Ran::new(&result, printed::by_design(&result)).drawn(picture))
+        let printed = printed::by_design(&result, after.as_ref());
+        let mut ran = Ran::new(&result, printed).drawn(picture);
+        if let Some(after) = &after {
+            ran.value["follow_up"] = plain(after);
+        }
+        Ok(ran)
     }
 }
 

@@ -6,7 +6,7 @@ use maveric_stats::{Bounds, equivalence, equivalence_one};
 /// Is the difference of conditions, or of a mean from a value, smaller than bounds? Two one-sided tests
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "\
-The table: a row a cell, with subject, condition and value; for one sample a column with the value.
+The table: a row a cell, with subject, condition and value; or a column a condition, by --wide; for one sample a column with the value.
 Examples: maveric stats equivalence data.csv --subject id --within condition --value score --bounds=-0.5,0.5
           maveric stats equivalence data.csv --value score --mu=3 --bounds=-0.3,0.3 --standardized")]
 pub struct Equivalence {
@@ -15,8 +15,8 @@ pub struct Equivalence {
     /// What the mean of one sample is compared with
     #[arg(
         long,
-        conflicts_with = "subject",
-        required_unless_present = "subject",
+        conflicts_with_all = ["subject", "within", "wide"],
+        required_unless_present_any = ["subject", "within", "wide"],
         allow_hyphen_values = true
     )]
     mu: Option<f64>,
@@ -32,6 +32,9 @@ impl Test for Equivalence {
     const NAME: &'static str = "equivalence";
 
     fn lacks(&self) -> Option<&'static str> {
+        if let Some(lacking) = self.conditions.lacks() {
+            return Some(lacking);
+        }
         let value = self.conditions.value.is_some();
         let complete = value && (self.long().is_some() || self.mu.is_some());
         (!complete).then_some("--value with --subject and --within, or with --mu")

@@ -27,6 +27,10 @@ impl Test for Factorial {
 
     by_its_columns!();
 
+    fn lacks(&self) -> Option<&'static str> {
+        self.columns.lacks()
+    }
+
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let rows = DesignRows::read(table, &self.columns)?;
         let design = rows.design()?;

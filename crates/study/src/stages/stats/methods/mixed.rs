@@ -9,7 +9,8 @@ use maveric_stats::{Formula, Predictor, RandomIntercept, random_intercept};
     group = clap::ArgGroup::new("terms").required(true).multiple(true).args(["fixed", "within", "between", "covariate"]),
     after_help = "\
 The table: any number of rows a person, with subject, the predictors and the value. Rows with a missing value are left out; the person's
-others stay. In --fixed a predictor whose values are all numbers is a covariate, any other a factor.
+others stay. In --fixed a predictor whose values are all numbers is a covariate, any other a factor. Terms, means and pairs are at the mean
+of the covariates, coefficients at 0.
 Examples: maveric stats mixed data.csv --subject id --within style --between vehicle --covariate age --value score
           maveric stats mixed data.csv --subject id --fixed \"age*style + speed\" --value score")]
 pub struct Mixed {
@@ -45,6 +46,9 @@ impl Test for Mixed {
         let cells = formula.predictors().iter().map(|n| self.cells(table, n));
         let cells = cells.collect::<Result<Vec<_>, StudyError>>()?;
         let predictors = formula.predictors().iter().zip(&cells);
+        let numbers = predictors.clone();
+        let numbers = numbers.filter(|(_, cells)| matches!(cells, Cells::Numbers(_)));
+        let covariates = numbers.map(|(name, _)| name.clone()).collect();
         let predictors: Vec<(&str, Predictor)> = predictors
             .map(|(name, cells)| {
                 let predictor = match cells {
@@ -56,7 +60,8 @@ impl Test for Mixed {
             .collect();
         let people = labels(table, &self.subject)?;
         let model = random_intercept(&people, &formula, &predictors, &table.numbers(&self.value)?)?;
-        let picture = pictures::mixed(self.shown(table, &model)?.as_ref(), &self.value, &model);
+        let shown = self.shown(table, &model, covariates)?;
+        let picture = pictures::mixed(shown.as_ref(), &self.value, &model);
         Ok(Ran::new(&model, printed::mixed(&model)).drawn(picture))
     }
 }
@@ -94,6 +99,7 @@ impl Mixed {
         &self,
         table: &Table,
         model: &RandomIntercept,
+        covariates: Vec<String>,
     ) -> Result<Option<DesignRows>, StudyError> {
         let Some((term, _)) = model.emm.iter().last() else {
             return Ok(None);
@@ -101,6 +107,7 @@ impl Mixed {
         let columns = FactorColumns {
             subject: Some(self.subject.clone()),
             between: term.split(':').map(str::to_owned).collect(),
+            covariates,
             value: self.value.clone(),
             ..FactorColumns::default()
         };

@@ -26,7 +26,7 @@ impl Test for Ordinal {
         let (people, conditions) = (labels(table, &c.subject)?, labels(table, &c.within)?);
         let result = ordinal(&people, &conditions, &table.numbers(&c.value)?)?;
         let rows = DesignRows::one_factor(table, Some(&c.subject), &c.within, &c.value)?;
-        let picture = pictures::ordinal(&rows, &c.value, &result, None);
+        let picture = pictures::ordinal(&rows, &c.value, &result, pictures::first(&result));
         Ok(Ran::new(&result, printed::ordinal(&result)).drawn(picture))
     }
 }

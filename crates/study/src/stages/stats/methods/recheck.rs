@@ -13,6 +13,7 @@ pub struct Recheck {}
 impl Test for Recheck {
     const NAME: &'static str = "recheck";
     const HAS_FIGURE: bool = false;
+    const HAS_SENTENCE: bool = false;
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         Ok(Ran::numbers(plain(&recheck(&reported(table)?)?)))

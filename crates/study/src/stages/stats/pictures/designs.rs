@@ -5,15 +5,19 @@ use super::{
     cells::{HOLM, p_text},
     first,
 };
-use crate::stages::stats::{printed::named_sentence, rows::DesignRows};
+use crate::stages::stats::{
+    printed::{at_covariates, named_sentence},
+    rows::DesignRows,
+};
 use maveric_report::figures::{
     comparison::{ComparedCell, ComparisonPanel, Contrast},
     forest::{Forest, ForestRow},
     interaction::{InteractionLine, InteractionPanel},
 };
 use maveric_stats::{
-    AlignedRanks, Bounds, ByDesign, ChosenTest, Equivalence, Factorial, GroupsAnalysis,
-    MarginalMean, Named, Ordinal, RandomIntercept, RankCheck, apa::Statements,
+    AlignedRanks, Bounds, ByDesign, ChosenTest, Equivalence, Factorial, FactorialFinding, FollowUp,
+    GroupsAnalysis, Interval, MarginalContrast, Named, Ordinal, RandomIntercept,
+    apa::{self, Statements},
 };
 
 const MARGINAL: &str = "95% intervals of the marginal means";
@@ -82,22 +86,26 @@ fn rainclouds(rows: &DesignRows, outcome: &str, over: Over) -> Picture {
     Picture::Panel(panel, over.intervals, note)
 }
 
-fn with_ends(m: &MarginalMean) -> Option<[f64; 3]> {
-    Some([m.mean, m.ci.low?, m.ci.high?])
-}
+/// The means of each effect by cell, each with the ends of its interval.
+type MeansByEffect = Vec<(String, ByName<[f64; 3]>)>;
 
-/// The means of the cells of all factors: those of the effect that has the most of them.
-fn of_all(emm: &Named<Named<MarginalMean>>) -> ByName<[f64; 3]> {
-    let cells = emm.values().last();
-    cells.map_or_else(Vec::new, |cells| named(cells, with_ends))
+fn means_of<T>(emm: &Named<Named<T>>, numbers: impl Fn(&T) -> (f64, Interval)) -> MeansByEffect {
+    let with_ends = |mean: &T| {
+        let (mean, ci) = numbers(mean);
+        Some([mean, ci.low?, ci.high?])
+    };
+    let effects = emm.iter();
+    effects
+        .map(|(effect, cells)| (effect.to_owned(), named(cells, with_ends)))
+        .collect()
 }
 
 /// Means of two factors with their intervals: a line a level of the first, along the levels of the second. None of fewer or more factors,
 /// or of more lines than can be told apart.
 fn two_factors(
     rows: &DesignRows,
-    outcome: &str,
-    (emm, n): (&Named<Named<MarginalMean>>, usize),
+    [outcome, axis]: [&str; 2],
+    (emm, n): (&MeansByEffect, usize),
     test: &str,
 ) -> Option<Picture> {
     let (names, levels) = (rows.factors(), rows.levels());
@@ -107,8 +115,9 @@ fn two_factors(
     if lines.len() > MOST_LINES {
         return None;
     }
-    let means = emm.get(&format!("{first}:{second}"))?;
-    let mean = |line: &str, level: &str| with_ends(means.get(&format!("{line}:{level}"))?);
+    let effect = format!("{first}:{second}");
+    let (_, means) = emm.iter().find(|(known, _)| *known == effect)?;
+    let mean = |line: &str, level: &str| by_name(means, &format!("{line}:{level}"));
     let line = |name: &&str| InteractionLine {
         name: (*name).to_owned(),
         means: along.iter().map(|level| mean(name, level)).collect(),
@@ -117,7 +126,7 @@ fn two_factors(
         title: outcome.to_owned(),
         test: test.to_owned(),
         n,
-        axis: outcome.to_owned(),
+        axis: axis.to_owned(),
         factor: (*second).to_owned(),
         levels: along.iter().map(|level| (*level).to_owned()).collect(),
         lines: lines.iter().map(line).collect(),
@@ -143,34 +152,56 @@ pub(in crate::stages::stats) fn factorial(
     outcome: &str,
     result: &Factorial,
 ) -> Picture {
-    factorial_under(rows, outcome, result, highest(result))
+    let means = means_of(&result.emm, |m| (m.mean, m.ci));
+    let pairs = only_factor(&result.contrast, |pair| pair.p_holm);
+    let means = (&means, result.n);
+    marginal_means(rows, outcome, means, highest(result), pairs)
 }
 
-/// The same under the sentence of another test.
-fn factorial_under(rows: &DesignRows, outcome: &str, result: &Factorial, test: String) -> Picture {
-    let means = (&result.emm, result.n);
-    marginal_means(rows, outcome, means, test, brackets(result))
+/// The same by the tests that decide.
+fn decided(
+    rows: &DesignRows,
+    outcome: &str,
+    result: &FactorialFinding,
+    after: &FollowUp,
+) -> Picture {
+    // The highest effect of factors; covariates come behind it.
+    let highest = result.anova.anova.iter().last();
+    let mut sentences = result.statements().into_iter();
+    let test = highest.and_then(|(name, _)| sentences.find(|(n, _)| n == name));
+    let test = test.map_or_else(|| first(result), named_sentence);
+    let means = means_of(&after.emm, |m| (m.mean, m.ci));
+    let pairs = only_factor(&after.contrast, |pair| pair.p_holm);
+    let means = (&means, result.anova.n);
+    marginal_means(rows, outcome, means, test, pairs)
 }
 
-/// Marginal means under a sentence: of two factors as lines, of others over rainclouds with the pairs.
+/// Marginal means under a sentence: of two factors as lines along an axis of the means, of others over rainclouds with the pairs.
 fn marginal_means(
     rows: &DesignRows,
     outcome: &str,
-    (emm, n): (&Named<Named<MarginalMean>>, usize),
+    (emm, n): (&MeansByEffect, usize),
     test: String,
     pairs: ByName<f64>,
 ) -> Picture {
-    if let Some(picture) = two_factors(rows, outcome, (emm, n), &test) {
+    let suffix = at_covariates(&rows.covariates());
+    let axis = format!("{outcome}{suffix}");
+    if let Some(picture) = two_factors(rows, [outcome, &axis], (emm, n), &test) {
         return picture;
     }
     let over = Over {
         test,
-        means: of_all(emm),
+        // Those of the cells of all factors: the effect that has the most of them.
+        means: emm.last().map_or_else(Vec::new, |(_, cells)| cells.clone()),
         intervals: MARGINAL,
         pairs,
         contrasts: HOLM,
     };
-    rainclouds(rows, outcome, over)
+    if suffix.is_empty() {
+        return rainclouds(rows, outcome, over);
+    }
+    // The values below them are not.
+    rainclouds(rows, &format!("{outcome}; dots are means{suffix}"), over)
 }
 
 pub(in crate::stages::stats) fn aligned(
@@ -181,36 +212,11 @@ pub(in crate::stages::stats) fn aligned(
     plain_cells(rows, outcome, highest(result))
 }
 
-/// Pairs of one factor, or of the second of two at each level of the first; none where there are more.
-fn brackets(result: &Factorial) -> ByName<f64> {
-    let factors: Vec<(&str, &Vec<String>)> = result.levels.iter().collect();
-    match factors[..] {
-        [_] => {
-            let pairs = result.contrast.values();
-            pairs
-                .flat_map(|pairs| named(pairs, |pair| pair.p_holm))
-                .collect()
-        }
-        [(_, slow), (fast, levels)] => {
-            let mut pairs = Vec::new();
-            for level in slow {
-                let simple = result.simple.values().next();
-                let Some(test) = simple.and_then(|tests| tests.get(&format!("{fast}@{level}")))
-                else {
-                    continue;
-                };
-                for a in levels {
-                    for b in levels {
-                        let p = test
-                            .pairs
-                            .get(&format!("{a}|{b}"))
-                            .and_then(|pair| pair.p_holm);
-                        pairs.push((format!("{level}:{a}|{level}:{b}"), p));
-                    }
-                }
-            }
-            pairs
-        }
+/// The pairs of the levels of a single factor; those of several factors are no pairs of cells.
+fn only_factor<T>(contrast: &Named<Named<T>>, p: impl Fn(&T) -> Option<f64>) -> ByName<f64> {
+    let mut factors = contrast.values();
+    match (factors.next(), factors.next()) {
+        (Some(pairs), None) => named(pairs, p),
         _ => Vec::new(),
     }
 }
@@ -269,8 +275,19 @@ pub(in crate::stages::stats) fn mixed(
     outcome: &str,
     result: &RandomIntercept,
 ) -> Picture {
+    let pairs = |term: &str| result.contrast.get(term).cloned().unwrap_or_default();
+    fitted(rows, outcome, result, (result, pairs))
+}
+
+/// A model with the sentences and the pairs of its terms as they count.
+fn fitted(
+    rows: Option<&DesignRows>,
+    outcome: &str,
+    result: &RandomIntercept,
+    (said, pairs_of): (&impl Statements, impl Fn(&str) -> Named<MarginalContrast>),
+) -> Picture {
     let term = result.contrast.iter().last();
-    let (Some(rows), Some((name, pairs))) = (rows, term) else {
+    let (Some(rows), Some((name, _))) = (rows, term) else {
         let coefficients = result.coef.iter().skip(1);
         let coefficients = coefficients.map(|(name, c)| ForestRow {
             name: name.to_owned(),
@@ -285,40 +302,33 @@ pub(in crate::stages::stats) fn mixed(
             n: result.n_subjects,
         });
     };
-    let statement = result
+    let statement = said
         .statements()
         .into_iter()
         .find(|(known, _)| known == name);
     let test = statement.map_or_else(String::new, |(_, statement)| statement.markup().to_owned());
-    let means = (&result.emm, result.n_subjects);
-    let pairs = named(pairs, |pair| pair.p_holm);
+    let means = means_of(&result.emm, |m| (m.mean, m.ci));
+    let means = (&means, result.n_subjects);
+    let pairs = named(&pairs_of(name), |pair| pair.p_holm);
     marginal_means(rows, outcome, means, test, pairs)
 }
 
-/// Conditions with the coefficients against the first as brackets, or Wilcoxon's pairs where they were tested.
+/// Conditions with the coefficients against the first as brackets, under the sentence of their test.
 pub(in crate::stages::stats) fn ordinal(
     rows: &DesignRows,
     outcome: &str,
     result: &Ordinal,
-    beside: Option<&RankCheck>,
+    test: String,
 ) -> Picture {
     let reference = result.conditions.first().map_or("", String::as_str);
-    let (pairs, contrasts) = if let Some(ranks) = beside {
-        (
-            named(&ranks.wilcoxon, |w| w.p_holm),
-            "*p* values of Wilcoxon’s test after Holm",
-        )
-    } else {
-        let coefficients = result.quadrature.coef.iter();
-        let against_first = coefficients.map(|(name, c)| (format!("{reference}|{name}"), c.p));
-        (against_first.collect(), NOT_ADJUSTED)
-    };
+    let coefficients = result.quadrature.coef.iter();
+    let against_first = coefficients.map(|(name, c)| (format!("{reference}|{name}"), c.p));
     let over = Over {
-        test: first(result),
+        test,
         means: Vec::new(),
         intervals: "",
-        pairs,
-        contrasts,
+        pairs: against_first.collect(),
+        contrasts: NOT_ADJUSTED,
     };
     rainclouds(rows, outcome, over)
 }
@@ -331,18 +341,19 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence)
     };
     let rows = result.tost.iter().map(|(name, t)| {
         let estimate = || {
+            // The standard deviation of the differences is that of their mean times √n.
             let unit = if standardized {
-                t.dz? / t.estimate
+                t.se? * (t.n as f64).sqrt()
             } else {
                 1.0
             };
-            let numbers = [t.estimate, t.ci90.low?, t.ci90.high?].map(|v| v * unit);
+            let numbers = [t.estimate, t.ci90.low?, t.ci90.high?].map(|v| v / unit);
             Some(numbers).filter(|numbers| numbers.iter().all(|v| v.is_finite()))
         };
         ForestRow {
             name: name.to_owned(),
             estimate: estimate(),
-            said: p_text("*p*", t.p),
+            said: p_text(apa::p_symbol(result.adjusted()), t.p_holm),
         }
     });
     let axis = if standardized {
@@ -359,32 +370,28 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence)
     })
 }
 
-/// What was chosen by the design; a comparison of one factor within is drawn by its caller.
+/// What was chosen by the design, with what follows a factorial one; a comparison of one factor within is drawn by its caller.
 pub(in crate::stages::stats) fn by_design(
     rows: &DesignRows,
     outcome: &str,
     result: &ByDesign,
+    after: Option<&FollowUp>,
 ) -> Picture {
-    match result {
-        ByDesign::Factorial(result) => {
-            // The highest effect of factors; covariates come behind it.
-            let highest = result.found.anova.anova.iter().last();
-            let mut sentences = result.found.statements().into_iter();
-            let test = highest.and_then(|(name, _)| sentences.find(|(n, _)| n == name));
-            let test = test.map_or_else(|| first(&result.found), named_sentence);
-            factorial_under(rows, outcome, &result.found.anova, test)
-        }
-        ByDesign::Groups(inner) => {
+    match (result, after) {
+        (ByDesign::Factorial(result), Some(after)) => decided(rows, outcome, &result.found, after),
+        (ByDesign::Groups(inner), _) => {
             let chosen = Some((inner.chosen, first(result)));
             groups(rows, outcome, &inner.found, chosen)
         }
-        ByDesign::Mixed(result) => mixed(Some(rows), outcome, &result.found.model),
-        ByDesign::Ordinal(result) => ordinal(
-            rows,
-            outcome,
-            &result.found.model,
-            result.found.beside.as_ref(),
-        ),
+        (ByDesign::Mixed(result), _) => {
+            let fit = &result.found;
+            let by_term = (fit, |term: &str| fit.pairs(term));
+            fitted(Some(rows), outcome, &fit.model, by_term)
+        }
+        (ByDesign::Ordinal(result), _) => {
+            let test = first(&result.found);
+            ordinal(rows, outcome, &result.found.model, test)
+        }
         _ => plain_cells(rows, outcome, first(result)),
     }
 }

@@ -2,16 +2,17 @@
 
 use super::{
     Printed,
-    cells::{degrees, interval, number, optional, p, share, table},
+    cells::{degrees, ends, estimate, interval, number, optional, p, share, table},
     named_sentences,
 };
 use maveric_report::tables::{Cell, Table};
 use maveric_stats::{
-    AlignedRanks, CellContrast, Factorial, FactorialFinding, MarginalMean, Named, SimpleEffect,
-    Sphericity,
+    AlignedRanks, CellContrast, EffectMethod, EffectTest, Factorial, FactorialFinding, FollowUp,
+    Interval, LevelPair, MarginalMean, Named, SimpleEffect, SimplePairs, Sphericity,
 };
 
-pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
+/// What was analysed, with its factors and their levels.
+fn headed(result: &Factorial) -> Printed {
     let factors = result
         .levels
         .iter()
@@ -21,9 +22,90 @@ pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
         result.n,
         factors.collect::<Vec<_>>().join("; ")
     );
+    Printed::headed(who, result.n, &result.dropped)
+}
+
+/// Each effect by the test that decides about it, with what follows it.
+pub(super) fn decided(result: &FactorialFinding, after: &FollowUp) -> Printed {
+    let mut printed = headed(&result.anova).table(deciding(result));
+    let suffix = at_covariates(&after.covariates);
+    for (name, means) in after.emm.iter() {
+        let means = means.iter();
+        let means = means.map(|(cell, m)| (cell, m.mean, m.se, m.ci));
+        printed = printed.table(means_of(&format!("{name}{suffix}"), means));
+    }
+    for (name, pairs) in after.contrast.iter() {
+        printed = printed.table(level_pairs(name, pairs));
+    }
+    let number_of = |number: fn(&EffectTest) -> Option<f64>| {
+        move |simple: &&SimplePairs| number(simple.effect.test.as_ref()?)
+    };
+    let [statistic, df1, df2, p_alone] = [
+        number_of(|test| test.statistic),
+        number_of(|test| test.df1),
+        number_of(|test| test.df2),
+        number_of(|test| test.p),
+    ];
+    let title = "Simple effects (Holm over those of two factors)";
+    let simple = table(title, &after.simple)
+        .text("Effect", |simple| simple_name(simple))
+        .text("Test", |simple| {
+            let test = simple.effect.test.as_ref();
+            test.map_or("", |test| test.method.title())
+        })
+        .right("Statistic", |simple| optional(statistic(simple)))
+        .right("*df*_{1}", |simple| degrees(df1(simple)))
+        .right("*df*_{2}", |simple| degrees(df2(simple)))
+        .right("*p*", |simple| p(p_alone(simple)))
+        .right("*p*_{Holm}", |simple| p(simple.effect.p_holm))
+        .done();
+    printed = printed.table(simple);
+    for simple in after.simple.iter().filter(|s| !s.pairs.is_empty()) {
+        printed = printed.table(level_pairs(&simple_name(simple), &simple.pairs));
+    }
+    printed.undefined(&after.undefined)
+}
+
+/// At which value of the covariates the means are: nothing without covariates.
+pub(in crate::stages::stats) fn at_covariates(covariates: &[String]) -> String {
+    match covariates {
+        [] => String::new(),
+        covariates => format!(", at the mean of {}", covariates.join(" and ")),
+    }
+}
+
+fn simple_name(SimplePairs { effect, .. }: &SimplePairs) -> String {
+    format!("{} at {} = {}", effect.factor, effect.at, effect.level)
+}
+
+/// Pairs of levels: by *t*, or where ranks decide by theirs, which have neither an interval nor degrees of freedom.
+fn level_pairs(term: &str, pairs: &Named<LevelPair>) -> Table {
+    let ranks = pairs.values().any(|pair| pair.test.method.is_of_ranks());
+    let statistic = match pairs.values().next().map(|pair| pair.test.method) {
+        Some(EffectMethod::GroupRanks) => "*U*",
+        Some(_) if ranks => "*V*",
+        _ => "*t*",
+    };
+    let table = table(&format!("Pairs of {term} (A minus B, Holm)"), pairs.iter())
+        .text("", |(name, _)| *name)
+        .right("Difference", |(_, pair)| number(pair.test.estimate))
+        .and_if(!ranks, |table| {
+            table.right("95% CI", |(_, pair)| interval(pair.test.ci, optional))
+        })
+        .right(statistic, |(_, pair)| optional(pair.test.statistic))
+        .and_if(!ranks, |table| {
+            table.right("*df*", |(_, pair)| degrees(pair.test.df))
+        });
+    table
+        .right("*p*", |(_, pair)| p(pair.test.p))
+        .right("*p*_{Holm}", |(_, pair)| p(pair.p_holm))
+        .done()
+}
+
+pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
     let mut effects = effects(result);
     effects.notes = named_sentences(result);
-    let mut printed = Printed::headed(who, result.n, &result.dropped).table(effects);
+    let mut printed = headed(result).table(effects);
     for (name, means) in result.emm.iter() {
         printed = printed.table(marginal(name, means));
     }
@@ -78,13 +160,15 @@ fn effects(result: &Factorial) -> Table {
         .right("*ε*_{GG}", |(name, _)| epsilon(name, |s| share(s.gg)))
         .right("*p*_{GG}", |(name, _)| epsilon(name, |s| p(s.p_gg)))
         .right("*η*_{p}^{2}", |(_, e)| share(e.eta2_partial))
-        .right("90% CI", |(_, e)| interval(e.eta2_partial_ci90, share))
+        .right("90% CI", |(_, e)| {
+            interval(e.eta2_partial_ci90.holding(e.eta2_partial), share)
+        })
         .right("*η*_{G}^{2}", |(_, e)| share(e.eta2_generalized))
         .done()
 }
 
 /// Each effect by the test that decides about it.
-pub(super) fn deciding(result: &FactorialFinding) -> Table {
+fn deciding(result: &FactorialFinding) -> Table {
     let mut table = table("Effects", result.tests.iter())
         .text("Effect", |(name, _)| *name)
         .text("Test", |(_, test)| test.method.title())
@@ -99,11 +183,23 @@ pub(super) fn deciding(result: &FactorialFinding) -> Table {
 }
 
 pub(super) fn marginal(name: &str, means: &Named<MarginalMean>) -> Table {
-    table(&format!("Means of {name}"), means.iter())
-        .text("", |(cell, _)| *cell)
-        .right("*M*", |(_, m)| number(m.mean))
-        .right("*SE*", |(_, m)| number(m.se))
-        .right("95% CI", |(_, m)| interval(m.ci, optional))
+    let means = means.iter();
+    means_of(
+        name,
+        means.map(|(cell, m)| (cell, m.mean, Some(m.se), m.ci)),
+    )
+}
+
+/// Means with their standard errors and intervals, by cell.
+fn means_of<'a>(
+    name: &str,
+    means: impl Iterator<Item = (&'a str, f64, Option<f64>, Interval)>,
+) -> Table {
+    table(&format!("Means of {name}"), means)
+        .text("", |(cell, ..)| *cell)
+        .right("*M*", |(_, mean, _, ci)| estimate(*mean, *ci))
+        .right("*SE*", |(_, _, se, _)| optional(*se))
+        .right("95% CI", |(.., ci)| ends(*ci))
         .done()
 }
 

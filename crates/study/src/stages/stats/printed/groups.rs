@@ -2,7 +2,7 @@
 
 use super::{
     Printed,
-    cells::{degrees, effect, interval, number, optional, p, share, table},
+    cells::{degrees, effect, ends, estimate, interval, number, optional, p, share, table},
     named_sentences,
 };
 use maveric_report::tables::Cell;
@@ -16,8 +16,8 @@ pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
     let mut desc = table("Groups", result.desc.iter())
         .text("", |(name, _)| *name)
         .right("*n*", |(_, g)| Cell::count(g.n))
-        .right("*M*", |(_, g)| number(g.mean))
-        .right("95% CI", |(_, g)| interval(g.ci, optional))
+        .right("*M*", |(_, g)| estimate(g.mean, g.ci))
+        .right("95% CI", |(_, g)| ends(g.ci))
         .right("*SD*", |(_, g)| optional(g.sd))
         .done();
     desc.notes = named_sentences(result);
@@ -68,12 +68,17 @@ pub(in crate::stages::stats) fn equivalence(result: &Equivalence) -> Printed {
         .right("*p* (two one-sided)", |(_, t)| p(t.p))
         .right("*p*_{Holm}", |(_, t)| p(t.p_holm))
         .right("Equivalent", |(_, t)| {
-            Cell::word(t.equivalent, "yes", "not shown")
+            Cell::word(t.equivalent_holm, "yes", "not shown")
         })
         .right("*p* (difference)", |(_, t)| p(t.p_difference))
         .done();
     table.notes = named_sentences(result);
-    let who = format!("Equivalence by two one-sided tests: {} subjects", result.n);
+    let counted = if result.is_of_one_sample() {
+        "values"
+    } else {
+        "subjects"
+    };
+    let who = format!("Equivalence by two one-sided tests: {} {counted}", result.n);
     Printed::headed(who, result.n, &result.dropped)
         .left_out(result.missing, "values")
         .table(table)

@@ -2,7 +2,7 @@
 
 use super::{
     Printed,
-    cells::{degrees, interval, number, optional, p, table},
+    cells::{degrees, interval, number, optional, p, shown, table},
     factors::marginal,
     named_sentences,
 };
@@ -10,8 +10,21 @@ use maveric_report::tables::Table;
 use maveric_stats::{MarginalContrast, Named, Ordinal, OrdinalParameter, RandomIntercept, apa};
 
 pub(in crate::stages::stats) fn mixed(result: &RandomIntercept) -> Printed {
+    let pairs = |term: &str| result.contrast.get(term).cloned().unwrap_or_default();
+    mixed_with(result, pairs)
+}
+
+/// The same with the pairs of each term as they count.
+pub(super) fn mixed_with(
+    result: &RandomIntercept,
+    pairs_of: impl Fn(&str) -> Named<MarginalContrast>,
+) -> Printed {
+    let model = match result.variance.subject {
+        Some(_) => "Mixed model, random intercept of the subject",
+        None => "Linear model (each subject has one row)",
+    };
     let who = format!(
-        "Mixed model, random intercept of the subject, fixed {}: {} rows of {} subjects",
+        "{model}, fixed {}: {} rows of {} subjects",
         result.formula, result.n_obs, result.n_subjects,
     );
     let mut terms = table("Terms (type III, Satterthwaite)", result.anova.iter())
@@ -22,7 +35,7 @@ pub(in crate::stages::stats) fn mixed(result: &RandomIntercept) -> Printed {
         .right("*p*", |(_, t)| p(t.p))
         .done();
     terms.notes = named_sentences(result);
-    let title = "Coefficients (the first level of a factor is the reference)";
+    let title = "Coefficients (the first level of a factor is the reference; covariates at 0)";
     let coefficients = table(title, result.coef.iter())
         .text("", |(name, _)| *name)
         .right("Estimate", |(_, c)| number(c.estimate))
@@ -31,22 +44,29 @@ pub(in crate::stages::stats) fn mixed(result: &RandomIntercept) -> Printed {
         .right("*df*", |(_, c)| degrees(c.df))
         .right("*t*", |(_, c)| optional(c.t))
         .right("*p*", |(_, c)| p(c.p))
-        .noted(format!(
-            "variance of the subjects {}, residual {}; ICC = {}",
-            apa::number(result.variance.subject, 3),
-            apa::number(result.variance.residual, 3),
-            apa::bounded(result.icc, 2)
-        ));
+        .noted(variances(result));
     let mut printed = Printed::headed(who, 0, &[])
         .left_out(result.missing, "rows")
         .table(terms)
         .table(coefficients);
-    for ((name, means), pairs) in result.emm.iter().zip(result.contrast.values()) {
+    for (name, means) in result.emm.iter() {
         printed = printed
             .table(marginal(name, means))
-            .table(contrasts(name, pairs));
+            .table(contrasts(name, &pairs_of(name)));
     }
     printed.undefined(&result.undefined)
+}
+
+fn variances(result: &RandomIntercept) -> String {
+    let residual = shown(&number(result.variance.residual));
+    match (result.variance.subject, result.icc) {
+        (Some(subject), Some(icc)) => format!(
+            "variance of the subjects {}, residual {residual}; ICC = {}",
+            shown(&number(subject)),
+            apa::bounded(icc, 2)
+        ),
+        _ => format!("residual variance {residual}"),
+    }
 }
 
 fn contrasts(term: &str, pairs: &Named<MarginalContrast>) -> Table {
@@ -87,7 +107,7 @@ pub(in crate::stages::stats) fn ordinal(result: &Ordinal) -> Printed {
     coefficients.notes = named_sentences(result);
     let mut thresholds = rows("Thresholds between answers", &result.quadrature.threshold);
     if let Some(variance) = result.quadrature.variance.subject {
-        let variance = apa::number(variance, 3);
+        let variance = shown(&number(variance));
         thresholds
             .notes
             .push(format!("variance of the subjects {variance}"));

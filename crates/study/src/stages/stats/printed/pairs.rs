@@ -16,7 +16,10 @@ pub(super) fn comparison(result: &Comparison) -> Printed {
     let omnibus = &result.omnibus;
     let mut finding = sentences(result, &["omnibus"]);
     if omnibus.test == OmnibusTest::Friedman {
-        let ci = shown(&interval(omnibus.effect.ci, share));
+        let ci = shown(&interval(
+            omnibus.effect.ci.holding(omnibus.effect.value),
+            share,
+        ));
         let how = match omnibus.p_method {
             OmnibusP::Exact => "*p* is exact: all orders of the ranks within subjects",
             OmnibusP::ImanDavenport => "*p* is that of Iman and Davenport's *F* of the ranks",

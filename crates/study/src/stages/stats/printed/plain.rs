@@ -134,9 +134,42 @@ fn inside(mut printed: Printed, title: &str, value: &Value) -> Printed {
     }
     if let Some(Value::Object(reasons)) = object.get("undefined") {
         let lines = reasons.iter().map(|(name, reason)| {
+            let name = as_printed(name, object);
             markup::literal(&format!("{name}: {}", reason.as_str().unwrap_or_default()))
         });
         printed = printed.lines("No value (–)", lines.collect());
     }
     printed
+}
+
+/// The name of a number; rows of a list, which the JSON counts from 0, as the table counts them.
+fn as_printed(name: &str, object: &Map<String, Value>) -> String {
+    let mut parts = name.splitn(3, '.');
+    let (list, row) = (parts.next().unwrap_or_default(), parts.next());
+    let is_list = object.get(list).is_some_and(Value::is_array);
+    let row = row.filter(|_| is_list);
+    let Some(row) = row.and_then(|row| row.parse::<usize>().ok()) else {
+        return name.to_owned();
+    };
+    let below = parts.map(|below| format!(".{below}"));
+    format!("{list} {}{}", row + 1, below.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_reason_names_the_row_as_the_table_counts_it() {
+        let value = json!({
+            "row": [{ "power": 0.8 }, { "power": null }],
+            "alpha": { "1": { "p": null } },
+            "undefined": { "row.1.power": "too few", "alpha.1.p": "no data" },
+        });
+        let printed = plain(&value, Vec::new());
+        let text = printed.written(Table::to_text).join("\n");
+        assert!(text.contains("row 2.power: too few"), "{text}");
+        assert!(text.contains("alpha.1.p: no data"), "{text}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Printed,
-    cells::{degrees, effect, interval, number, optional, p, share, shown, table},
+    cells::{degrees, effect, ends, estimate, interval, number, optional, p, share, shown, table},
     sentences,
 };
 use maveric_report::tables::{Cell, Table};
@@ -67,12 +67,9 @@ pub(super) fn conditions(
     let residuals = shapiro.is_some().then_some(("residuals", None));
     table("Conditions", rows.chain(residuals))
         .text("", |(name, _)| *name)
-        .right("*M*", mean(|c| number(c.mean)))
+        .right("*M*", mean(|c| estimate(c.mean, c.within_ci)))
         .right("*SD*", mean(|c| number(c.sd)))
-        .right(
-            "95% within-subject CI",
-            mean(|c| interval(c.within_ci, optional)),
-        )
+        .right("95% within-subject CI", mean(|c| ends(c.within_ci)))
         .and_if(shapiro.is_some(), |table| {
             table
                 .right("Shapiro-Wilk *W*", |(name, _)| {
@@ -155,7 +152,7 @@ fn sizes(result: &RmAnova) -> Table {
     table("Effect sizes", rows)
         .text("", |row| row.0)
         .right("Estimate", |row| share(row.1))
-        .right("90% CI", |row| interval(row.2, share))
+        .right("90% CI", |row| interval(row.2.holding(row.1), share))
         .done()
 }
 
@@ -175,7 +172,7 @@ fn ranks(result: &Friedman) -> Table {
         ("F (Iman-Davenport)", optional(result.f), two, result.f_p),
         ("chi-squared", optional(result.chi2), df, result.p),
     ];
-    let ci = interval(result.kendall_w_ci90, share);
+    let ci = interval(result.kendall_w_ci90.holding(result.kendall_w), share);
     let (w, ci) = (shown(&share(result.kendall_w)), shown(&ci));
     table("Friedman", rows)
         .text("By", |row| row.0)
