@@ -9,7 +9,6 @@ use maveric_domain::{ConditionId, design::Sign};
 use maveric_stats::{
     Interval, MarginalContrast, Named, Posthoc, PosthocTest, SmallSample, WithinSubjects, compare,
 };
-use std::borrow::Cow;
 
 impl Contrast {
     pub(crate) fn untested([first, second]: [ConditionId; 2], expected: Option<Sign>) -> Self {
@@ -82,7 +81,7 @@ impl Contrast {
 /// The pairs of conditions of a model, and what each condition is called in it.
 pub(crate) struct ModelPairs<'a> {
     pub(crate) test: ContrastTest,
-    pub(crate) pairs: Cow<'a, Named<MarginalContrast>>,
+    pub(crate) pairs: &'a Named<MarginalContrast>,
     /// The likelihood ratios of pairs that have no finite difference.
     pub(crate) ratios: Option<&'a Named<SmallSample>>,
     pub(crate) names: Vec<(ConditionId, String)>,

@@ -10,7 +10,6 @@ use crate::{
 };
 use maveric_domain::{ConditionId, design::DeclaredTest};
 use maveric_stats::{ByDesign, ChosenTest, PosthocTest};
-use std::borrow::Cow;
 
 /// Values of both conditions of those whom the panel's tests are of: whoever lacks a value of any condition is in none of them. The
 /// baseline of a panel of differences is 0.
@@ -86,13 +85,13 @@ pub(crate) fn model_pairs<'a>(
     let (test, pairs, ratios) = match panel.comparison.as_ref()? {
         ByDesign::Mixed(mixed) => {
             let pairs = mixed.found.pairs(&term.join(":"));
-            let pairs = Some(pairs).filter(|pairs| !pairs.is_empty())?;
-            (ContrastTest::Mixed, Cow::Owned(pairs), None)
+            let pairs = pairs.filter(|pairs| !pairs.is_empty())?;
+            (ContrastTest::Mixed, pairs, None)
         }
         ByDesign::Ordinal(ordinal) => {
             let analysis = &ordinal.found;
-            let pairs = Cow::Borrowed(&analysis.contrast);
-            (ContrastTest::Ordinal, pairs, Some(&analysis.ratio))
+            let ratios = Some(&analysis.ratio);
+            (ContrastTest::Ordinal, &analysis.contrast, ratios)
         }
         _ => return None,
     };

@@ -58,11 +58,7 @@ pub fn with_unit(title: &str, unit: &str) -> String {
 /// Decimals of numbers in the unit of an outcome, by how much people differ within conditions.
 pub(crate) fn outcome_decimals(described: &[Described], outcome: &str) -> usize {
     let of_outcome = described.iter().filter(|d| d.outcome == outcome);
-    // A condition in which nobody differs says nothing of how much people do.
-    let variances = of_outcome.filter_map(|d| Some(d.sd? * d.sd?));
-    let variances: Vec<f64> = variances.filter(|variance| *variance > 0.0).collect();
-    let variance = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
-    apa::decimals(variance.sqrt())
+    apa::decimals_among(of_outcome.filter_map(|d| d.sd))
 }
 
 /// How texts write numbers in the unit of an outcome: with so many `decimals`, of what was measured with the unit that it is `measured_in`.

@@ -55,6 +55,7 @@ pub use file::{CommandFiles, Commands, NewStage, Pipeline, Settings, schema};
 pub use graph::Graph;
 pub use ledger::{LEDGER_VERSION, Ledger, Left, Record};
 pub use manifest::{FactKind, Manifest};
+pub use own::ASIDE;
 pub use params::parse_override;
 pub use place::{Place, Program};
 pub use reason::Reason;

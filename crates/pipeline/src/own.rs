@@ -12,7 +12,7 @@ use crate::paths::with_ancestors;
 use crate::{Graph, PipelineError, Stage};
 
 /// How folders begin that hold what was moved out of a stage's way.
-const ASIDE: &str = "moved-aside-";
+pub const ASIDE: &str = "moved-aside-";
 
 /// A file below an output; the output itself for the empty name.
 fn join(output: &str, within: &str) -> String {

@@ -150,7 +150,7 @@ impl Study {
                 *place = p;
             }
             outcome.contrast = match &tested {
-                ByDesign::Mixed(model) => pair(&model.found.pairs("condition")),
+                ByDesign::Mixed(model) => model.found.pairs("condition").and_then(pair),
                 ByDesign::Ordinal(model) => pair(&model.found.contrast),
                 _ => None,
             };

@@ -156,6 +156,22 @@ pub fn decimals(spread: f64) -> usize {
     two_digits(spread, 6).max(2)
 }
 
+/// Decimals of numbers beside the standard deviations of their conditions, by how much people differ in them on the whole. A condition in
+/// which nobody differs says nothing of that.
+///
+/// # Example
+/// ```
+/// use maveric_stats::apa::decimals_among;
+/// assert_eq!(decimals_among([0.0, 0.03, 0.04]), 3);
+/// assert_eq!(decimals_among([0.0]), 2);
+/// ```
+pub fn decimals_among(spreads: impl IntoIterator<Item = f64>) -> usize {
+    let variances = spreads.into_iter().map(|sd| sd * sd);
+    let variances: Vec<f64> = variances.filter(|variance| *variance > 0.0).collect();
+    let variance = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+    decimals(variance.sqrt())
+}
+
 /// Degrees of freedom: whole if they are, else two decimals.
 pub fn degrees(value: f64) -> String {
     let whole = (value - value.round()).abs() < 1e-9;

@@ -363,8 +363,7 @@ fn alternative(input: &DifferencePanels, context: &Context) -> String {
         let rows = complete(panel);
         let values = |index: usize| rows.iter().map(|row| row[index]).collect::<Vec<f64>>();
         let spreads = (0..panel.conditions.len()).filter_map(|c| standard_deviation(&values(c)));
-        let variances: Vec<f64> = spreads.map(|sd| sd * sd).collect();
-        let decimals = apa::decimals(mean(&variances).unwrap_or(0.0).sqrt());
+        let decimals = apa::decimals_among(spreads);
         let means = panel
             .conditions
             .iter()

@@ -95,11 +95,10 @@ impl MixedFinding {
         }
     }
 
-    /// The pairs of a term that count; none of an unknown term.
-    pub fn pairs(&self, term: &str) -> Named<MarginalContrast> {
+    /// The pairs of a term that count; `None` of an unknown term.
+    pub fn pairs(&self, term: &str) -> Option<&Named<MarginalContrast>> {
         let own_error = self.own_error.get(term);
-        let pairs = own_error.or_else(|| self.model.contrast.get(term));
-        pairs.cloned().unwrap_or_default()
+        own_error.or_else(|| self.model.contrast.get(term))
     }
 }
 

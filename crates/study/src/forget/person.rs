@@ -19,6 +19,7 @@ use crate::{
     },
 };
 use maveric_domain::{ParticipantId, design::Software};
+use maveric_pipeline::ASIDE;
 use serde::Serialize;
 use std::{
     collections::BTreeSet,
@@ -202,7 +203,7 @@ fn is_aside(within: &Path) -> bool {
     let mut folders = within.components();
     folders.any(|folder| {
         let name = folder.as_os_str().to_string_lossy();
-        name.starts_with("moved-aside-")
+        name.starts_with(ASIDE)
     })
 }
 

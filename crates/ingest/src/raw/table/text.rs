@@ -195,15 +195,13 @@ fn look_at_rows<T>(
             b'"' => inside ^= quoted,
             _ if inside => lines += usize::from(text[at] == b'\n'),
             b'\n' => {
-                let (whole, last) = (&text[begin..at], &text[cell..at]);
-                let is_cut = false;
                 let row = RowEnd {
                     nth,
                     lines,
                     cells,
-                    whole,
-                    last,
-                    is_cut,
+                    whole: &text[begin..at],
+                    last: &text[cell..at],
+                    is_cut: false,
                 };
                 if let Some(found) = look(&row) {
                     return Ok(Some(found));
@@ -217,15 +215,13 @@ fn look_at_rows<T>(
     if inside {
         return Err(opened);
     }
-    let (whole, last) = (&text[begin..], &text[cell..]);
-    let is_cut = true;
     Ok(look(&RowEnd {
         nth,
         lines,
         cells,
-        whole,
-        last,
-        is_cut,
+        whole: &text[begin..],
+        last: &text[cell..],
+        is_cut: true,
     }))
 }
 

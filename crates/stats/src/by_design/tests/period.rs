@@ -381,7 +381,8 @@ fn of_two_conditions_in_two_orders_it_is_welchs_test_of_the_orders_halves() {
     let study = made(&orders(2), 12, |p, c, t, _| {
         noise(14, 100 * p + 10 * c + t) * if p % 2 == 0 { 2.0 } else { 1.0 } + 0.4 * t as f64
     });
-    let pairs = study.mixed().pairs("condition");
+    let found = study.mixed();
+    let pairs = found.pairs("condition").unwrap();
     let pair = pairs.values().next().unwrap();
     let difference = |p: usize| {
         let at = |name: &str| {
@@ -435,7 +436,7 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
     short.values[5] = None;
     let listwise = short.mixed();
     assert_eq!((listwise.model.n_subjects, listwise.model.n_obs), (23, 92));
-    assert_eq!(listwise.pairs("condition").len(), 6);
+    assert_eq!(listwise.pairs("condition").unwrap().len(), 6);
     let choice = DesignChoice {
         missing: MissingCells::Mixed,
         ..DesignChoice::default()

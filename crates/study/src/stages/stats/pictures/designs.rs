@@ -275,19 +275,18 @@ pub(in crate::stages::stats) fn mixed(
     outcome: &str,
     result: &RandomIntercept,
 ) -> Picture {
-    let pairs = |term: &str| result.contrast.get(term).cloned().unwrap_or_default();
+    let pairs = result.contrast.iter().last();
     fitted(rows, outcome, result, (result, pairs))
 }
 
-/// A model with the sentences and the pairs of its terms as they count.
+/// A model with the sentences of its terms, and the highest of them with its pairs, as they count.
 fn fitted(
     rows: Option<&DesignRows>,
     outcome: &str,
     result: &RandomIntercept,
-    (said, pairs_of): (&impl Statements, impl Fn(&str) -> Named<MarginalContrast>),
+    (said, highest): (&impl Statements, Option<(&str, &Named<MarginalContrast>)>),
 ) -> Picture {
-    let term = result.contrast.iter().last();
-    let (Some(rows), Some((name, _))) = (rows, term) else {
+    let (Some(rows), Some((name, pairs))) = (rows, highest) else {
         let coefficients = result.coef.iter().skip(1);
         let coefficients = coefficients.map(|(name, c)| ForestRow {
             name: name.to_owned(),
@@ -309,7 +308,7 @@ fn fitted(
     let test = statement.map_or_else(String::new, |(_, statement)| statement.markup().to_owned());
     let means = means_of(&result.emm, |m| (m.mean, m.ci));
     let means = (&means, result.n_subjects);
-    let pairs = named(&pairs_of(name), |pair| pair.p_holm);
+    let pairs = named(pairs, |pair| pair.p_holm);
     marginal_means(rows, outcome, means, test, pairs)
 }
 
@@ -385,8 +384,9 @@ pub(in crate::stages::stats) fn by_design(
         }
         (ByDesign::Mixed(result), _) => {
             let fit = &result.found;
-            let by_term = (fit, |term: &str| fit.pairs(term));
-            fitted(Some(rows), outcome, &fit.model, by_term)
+            let term = fit.model.contrast.iter().last();
+            let highest = term.and_then(|(term, _)| Some((term, fit.pairs(term)?)));
+            fitted(Some(rows), outcome, &fit.model, (fit, highest))
         }
         (ByDesign::Ordinal(result), _) => {
             let test = first(&result.found);

@@ -10,14 +10,13 @@ use maveric_report::tables::Table;
 use maveric_stats::{MarginalContrast, Named, Ordinal, OrdinalParameter, RandomIntercept, apa};
 
 pub(in crate::stages::stats) fn mixed(result: &RandomIntercept) -> Printed {
-    let pairs = |term: &str| result.contrast.get(term).cloned().unwrap_or_default();
-    mixed_with(result, pairs)
+    mixed_with(result, |term| result.contrast.get(term))
 }
 
 /// The same with the pairs of each term as they count.
-pub(super) fn mixed_with(
-    result: &RandomIntercept,
-    pairs_of: impl Fn(&str) -> Named<MarginalContrast>,
+pub(super) fn mixed_with<'a>(
+    result: &'a RandomIntercept,
+    pairs_of: impl Fn(&str) -> Option<&'a Named<MarginalContrast>>,
 ) -> Printed {
     let model = match result.variance.subject {
         Some(_) => "Mixed model, random intercept of the subject",
@@ -50,9 +49,10 @@ pub(super) fn mixed_with(
         .table(terms)
         .table(coefficients);
     for (name, means) in result.emm.iter() {
-        printed = printed
-            .table(marginal(name, means))
-            .table(contrasts(name, &pairs_of(name)));
+        printed = printed.table(marginal(name, means));
+        if let Some(pairs) = pairs_of(name) {
+            printed = printed.table(contrasts(name, pairs));
+        }
     }
     printed.undefined(&result.undefined)
 }
