@@ -1,14 +1,6 @@
 //! The program as a process: exit statuses, streams, broken files. What a command computes is tested where it lives.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
-use support::{TempStudy, argv};
+use crate::support::{TempStudy, argv};
 
 #[test]
 fn wrong_usage_is_status_2_and_help_has_an_example() {
@@ -306,7 +298,7 @@ fn an_installed_program_has_completions_a_manual_and_its_version() {
 
 #[test]
 fn what_cite_prints_is_what_the_citation_file_says() {
-    let file = std::fs::read_to_string(support::root().join("CITATION.cff")).unwrap();
+    let file = std::fs::read_to_string(crate::support::root().join("CITATION.cff")).unwrap();
     let study = TempStudy::new();
     let printed = study.maveric(&["cite", "--format", "json"]).ok().stdout;
     let printed: serde_json::Value = serde_json::from_str(&printed).unwrap();

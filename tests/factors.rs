@@ -1,21 +1,13 @@
 //! Studies of several factors and of many conditions, with made-up answers: what their pages say, and that its numbers are those by hand.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
-use serde_json::Value;
-use std::{collections::BTreeMap, fmt::Write as _, path::Path};
-use support::{
+use crate::support::{
     TempStudy, argv, copy,
     own_logs::{analysis, change, only_scales, scale},
     page::Page,
     tells,
 };
+use serde_json::Value;
+use std::{collections::BTreeMap, fmt::Write as _, path::Path};
 
 /// A nearly normal number about 0 that follows from its places: no generator, the same everywhere.
 fn noise(person: usize, place: usize) -> f64 {

@@ -1,11 +1,7 @@
 //! What is too much is refused by its number.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{TempStudy, argv};
 use std::fmt::Write as _;
-use support::{TempStudy, argv};
 
 const DESIGN: &str = "[study]\ntitle = \"Many\"\n";
 

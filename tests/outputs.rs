@@ -1,10 +1,6 @@
 //! What the program never writes over: what it was given, and what other programs made.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use support::{TempStudy, argv};
+use crate::support::{TempStudy, argv};
 
 const KEY: &str = "0123456789abcdef0123456789abcdef";
 

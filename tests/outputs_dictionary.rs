@@ -1,20 +1,12 @@
 //! What a run writes: every file and column explained, a manuscript's parts, and a page that answers first.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
+use crate::support::{TempStudy, argv, files, root, tells};
 use maveric_study::tables::{
     Table,
     dictionary::{FileEntry, entries, entry_at},
 };
 use serde_json::Value;
 use std::{collections::BTreeSet, path::Path, sync::OnceLock};
-use support::{TempStudy, argv, files, root, tells};
 
 /// One run for all tests: making it takes most of their time.
 fn run() -> &'static TempStudy {

@@ -1,15 +1,12 @@
 //! The paper's study in the seat: its four conditions, ridden from the consent to the page.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
 #[path = "../crates/seat/tests/support/mod.rs"]
 mod seat;
-mod support;
-
+use crate::support::{
+    TempStudy, argv,
+    own_logs::{analysis, change},
+    page::Page,
+};
 use maveric_model::{Model, model_file, style_space::LinearHead};
 use maveric_seat::{Seat, SeatSettings, replay};
 use maveric_seat_page::Record;
@@ -24,11 +21,6 @@ use maveric_study::{
 };
 use seat::{Server, script::Script};
 use std::{fmt::Write as _, path::Path, rc::Rc};
-use support::{
-    TempStudy, argv,
-    own_logs::{analysis, change},
-    page::Page,
-};
 
 /// The paper's conditions, as they are ridden in the seat.
 const CONDITIONS: &str = r#"

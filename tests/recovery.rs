@@ -1,17 +1,9 @@
 //! Styles go in and come out in order: synthetic drivers of known style are learned, and the car drives like them,
 //! faster when told to be more aggressive than they are and slower when told to be more cautious.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
+use crate::support::{TempStudy, argv, tells};
 use path_slash::PathExt as _;
 use std::collections::BTreeMap;
-use support::{TempStudy, argv, tells};
 
 /// Mean velocity by participant and condition, from the measurements as CSV.
 fn velocities(csv: &str) -> BTreeMap<(String, String), f64> {
@@ -221,7 +213,7 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
 
 /// Somebody else's style, at the rider's own score: of those learned from, or of the others who are tested once there are ten of them.
 fn a_lent_style_has_the_riders_score(study: &TempStudy) {
-    let shipped = support::root().join("study_data");
+    let shipped = crate::support::root().join("study_data");
     let paper = std::fs::read_to_string(shipped.join("designs/paper.toml")).unwrap();
     let paper = paper.replace("\"../", &format!("\"{}/", shipped.to_slash_lossy()));
     let was = "{ across = true }";

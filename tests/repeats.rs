@@ -1,22 +1,14 @@
 //! Several sessions and several rides in a condition: from logs and from made-up people, each ride counted and judged alone, to the page
 //! and what is given away.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
-use maveric_study::tables::Table;
-use serde_json::Value;
-use std::{collections::BTreeSet, fmt::Write as _};
-use support::{
+use crate::support::{
     TempStudy, argv,
     own_logs::{PEOPLE, SCALES, TABLE, analysis, change, panel, recorded, speed, table},
     page::Page,
 };
+use maveric_study::tables::Table;
+use serde_json::Value;
+use std::{collections::BTreeSet, fmt::Write as _};
 
 /// What stands in the `[protocol]` that `init` writes, and before what it says of sessions and rides.
 const PROTOCOL: &str = "consent = \"consent.md\"";

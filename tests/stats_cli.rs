@@ -1,15 +1,7 @@
 //! `maveric stats` as a process: bad tables, missing cells, and the reports that people read.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
+use crate::support::{Ran, TempStudy, argv, tells};
 use std::fmt::Write as _;
-use support::{Ran, TempStudy, argv, tells};
 
 const WITHIN: &str = "--subject s --within w --value v";
 

@@ -1,16 +1,8 @@
 //! `maveric stats` of designs beyond one factor: what is chosen, how it is said and drawn, and what is refused by name.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
+use crate::support::{Ran, TempStudy, argv, tells};
 use serde_json::Value;
 use std::fmt::Write as _;
-use support::{Ran, TempStudy, argv, tells};
 
 /// Sixteen people in two vehicles, in two styles under two loads; with an age, a speed and an answer.
 fn table() -> String {

@@ -1,14 +1,6 @@
 //! A study of one's own: the path of `docs/your-own-study.md`, walked with the small study that is shipped.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
-use support::{TempStudy, argv, files, tells};
+use crate::support::{TempStudy, argv, files, tells};
 
 #[test]
 fn from_logs_and_answers_to_the_report() {

@@ -58,7 +58,7 @@ fn a_design_says_the_power_that_a_rehearsal_of_it_found_and_recorded_cars_cannot
 #[test]
 fn a_study_that_lends_styles_is_rehearsed_with_six_people_and_refused_with_five() {
     let study = TempStudy::new();
-    let shipped = support::root().join("study_data");
+    let shipped = crate::support::root().join("study_data");
     let paper = std::fs::read_to_string(shipped.join("designs/paper.toml")).unwrap();
     let paper = paper.replace("\"../", &format!("\"{}/", shipped.to_slash_lossy()));
     let lent = paper.replace("{ across = true }", "{ other = \"matched\" }");

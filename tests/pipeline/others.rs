@@ -4,7 +4,7 @@ use super::*;
 
 /// The example of a pipeline that counts words, in the folder `name`.
 fn novels(study: &TempStudy, name: &str) {
-    let example = support::root().join("crates/pipeline/examples/novels");
+    let example = crate::support::root().join("crates/pipeline/examples/novels");
     for file in [
         "books.csv",
         "pipelines/words.toml",

@@ -1,13 +1,6 @@
 //! What people do beside answering and driving stands in tables: events, consents, notes.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
-mod support;
-
+use crate::support::{script::*, *};
 use maveric_ingest::{IngestSettings, read_log};
 use maveric_model::model_file;
 use maveric_seat::{SeatError, carried};
@@ -17,7 +10,6 @@ use maveric_study::tables::{
 };
 use serde_json::json;
 use std::{fs, path::Path};
-use support::{script::*, *};
 
 fn rows<T: serde::de::DeserializeOwned>(folder: &Path, name: &str) -> Vec<T> {
     let path = folder.join("seat").join(name);

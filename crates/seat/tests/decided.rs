@@ -1,19 +1,15 @@
 //! What the experimenter decides of somebody: something is driven longer, or all that they drove is out of the analysis; and what a crash and a
 //! rest become.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use maveric_domain::{DrivenBy, Seconds};
-use maveric_seat_page::{Frames, Input, SeatDrive};
-use maveric_simulator::Scenario;
-use std::{fs, path::Path};
-use support::{
+use crate::support::{
     STUDY, Server, TAB, folder_of, lab, lab_post, one_person, open, opened, replies,
     script::{finish, go_on, here, piece, until},
     tells,
 };
+use maveric_domain::{DrivenBy, Seconds};
+use maveric_seat_page::{Frames, Input, SeatDrive};
+use maveric_simulator::Scenario;
+use std::{fs, path::Path};
 
 fn text(folder: &Path, name: &str) -> String {
     fs::read_to_string(folder.join(name)).unwrap_or_default()

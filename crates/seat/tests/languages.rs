@@ -1,12 +1,8 @@
 //! In which language somebody goes on: chosen first, and everything after comes in it.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{MOOD, STUDY, Server, folder_of, open, opened, read, script::Script, tells};
 use maveric_seat::carried;
 use std::fs;
-use support::{MOOD, STUDY, Server, folder_of, open, opened, read, script::Script, tells};
 
 const GERMAN: &str = "[translation.de]\nitems = [\"Ich bin ruhig.\", \"Ich bin angespannt.\"]\n";
 

@@ -1,15 +1,11 @@
 //! What the experimenter leaves out: a step that is skipped, a part that is aborted.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use std::fs;
-use support::{
+use crate::support::{
     Server, TAB, entered, lab_post, one_person, read, replies,
     script::{driven, finish, go_on, here, piece, until},
     tells,
 };
+use std::fs;
 
 /// What the experimenter does at a step of the first person.
 fn act(server: &Server, step: u64, act: &str, reason: &str) -> (u16, String) {

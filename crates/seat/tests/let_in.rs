@@ -1,16 +1,12 @@
 //! Who is let in: ids, rows of the square, and who never came.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use maveric_seat::Invitation;
-use rusqlite::Connection;
-use std::{fs, path::Path};
-use support::{
+use crate::support::{
     STUDY, Server, folder, folder_of, lab, lab_post, open, opened, read, replies, script::go_on,
     tells,
 };
+use maveric_seat::Invitation;
+use rusqlite::Connection;
+use std::{fs, path::Path};
 
 /// Everybody's id, row of the square and first ride, and how their part ended.
 fn people(folder: &Path) -> Vec<(String, Option<i64>, String, Option<String>)> {

@@ -1,20 +1,16 @@
 //! What the server takes, from whom, how much and how long; and that whoever runs the study is told of what it does not take.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{
+    STUDY, Server, TAB, entered, folder, folder_of, lab, one_person, open, opened, read, replies,
+    script::{driven, finish, piece, until, up_to},
+    settings, tells,
+};
 use std::{
     fs,
     io::{Read as _, Write as _},
     net::TcpStream,
     sync::{Arc, Mutex},
     time::Duration,
-};
-use support::{
-    STUDY, Server, TAB, entered, folder, folder_of, lab, one_person, open, opened, read, replies,
-    script::{driven, finish, piece, until, up_to},
-    settings, tells,
 };
 
 /// Connections of which the other end has hung up.

@@ -1,17 +1,13 @@
 //! The experimenter's page goes on by itself.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{
+    Server, TAB, entered, folder, one_person, opened,
+    script::{driven, go_on, piece, until},
+};
 use std::{
     io::{Read as _, Write as _},
     net::TcpStream,
     time::{Duration, Instant},
-};
-use support::{
-    Server, TAB, entered, folder, one_person, opened,
-    script::{driven, go_on, piece, until},
 };
 
 /// What has to come comes within a second or two.

@@ -1,18 +1,14 @@
 //! What is asked before somebody takes part, during a ride and at the end.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use maveric_seat::carried;
-use maveric_study::tables::surveys::read_answered;
-use serde_json::json;
-use std::fs;
-use support::{
+use crate::support::{
     MISC, STUDY, Server, TAB, folder_of, lab, open, opened, read,
     script::{TOKEN, driven, finish, go_on, piece, until, written},
     tells,
 };
+use maveric_seat::carried;
+use maveric_study::tables::surveys::read_answered;
+use serde_json::json;
+use std::fs;
 
 const ABOUT: &str = "id = \"about\"\ntitle = \"You\"\nreference = \"made for this test\"\nitems = 2\nmin = 0\nmax = 120\nscoring = \"sum\"\n\
     wording = [\"How old are you?\", \"For how many years have you had a licence?\"]\n[[subscales]]\nid = \"age\"\ntitle = \"Age\"\nitems = [1]\n";
@@ -247,7 +243,7 @@ fn whose_computer_lacks_what_the_study_needs_is_counted_by_it_before_anything_is
 #[test]
 fn online_who_is_not_admitted_is_counted_once_and_is_nobody() {
     let folder = folder(&study());
-    let seat = support::seat(folder.path());
+    let seat = crate::support::seat(folder.path());
     let hand_over = |rule: u32| {
         let lines = [
             json!({"maveric_seat_person": 1, "token": TOKEN, "row": 0}),

@@ -1,15 +1,11 @@
 //! A study that an older version of the seat began.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{Server, folder, lab, open, script::finish, settings};
 use maveric_domain::ScoreRange;
 use maveric_seat::{Seat, SeatError, SeatSettings};
 use rusqlite::Connection;
 use serde_json::{Value, json};
 use std::{fs, path::Path};
-use support::{Server, folder, lab, open, script::finish, settings};
 
 /// The tables of the first version.
 const FIRST: &str = "

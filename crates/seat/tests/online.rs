@@ -1,21 +1,18 @@
 //! A study as static files, and what people hand over.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use maveric_seat::{Seat, carried, replay};
-use serde_json::{Value, json};
-use std::{fs, path::Path};
-use support::{
+use crate::support::{
     STUDY, Server, folder, folder_of, opened, read,
     script::{Script, go_on, written},
     seat, tells,
 };
+use maveric_seat::{Seat, carried, replay};
+use serde_json::{Value, json};
+use std::{fs, path::Path};
 
 /// What somebody hands over who went through row `row`.
 fn handed_over(seat: &Seat, folder: &Path, row: usize) -> Vec<Value> {
-    let (mut lines, style) = support::script::handed_over(seat, folder, row, &Script::default());
+    let (mut lines, style) =
+        crate::support::script::handed_over(seat, folder, row, &Script::default());
     let style: Value = serde_json::from_str(&style.unwrap()).unwrap();
     lines.extend([json!({"fit": style}), json!({"ended": "done"})]);
     lines

@@ -1,12 +1,8 @@
 //! Who comes from a platform that pays: one link for each id, which stands in one file alone, and the way back by how a part ended.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{STUDY, Server, TAB, folder_of, script::Script};
 use serde_json::json;
 use std::{fs, path::Path};
-use support::{STUDY, Server, TAB, folder_of, script::Script};
 
 const PAYS: &str = "platform = \"PROLIFIC_PID\"\n\
     redirect = { done = \"https://pays.example/?cc=DONE\", screened_out = \"https://pays.example/?cc=OUT\", stopped = \"https://pays.example/?cc=STOP\" }\n";

@@ -1,9 +1,8 @@
 //! A study whose score has another range than the one that its model has learned: the seat puts the model on it.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{
+    STUDY, Server, folder_of, lab, learned_from, opened, read, script::Script, settings,
+};
 use maveric_domain::{Embedding, ScoreRange};
 use maveric_model::{Model, model_file, style_space::LinearHead};
 use maveric_seat::{Seat, SeatSettings};
@@ -11,9 +10,6 @@ use maveric_seat_page::Record;
 use rusqlite::Connection;
 use serde_json::{Value, json};
 use std::{fs, path::Path, rc::Rc};
-use support::{
-    STUDY, Server, folder_of, lab, learned_from, opened, read, script::Script, settings,
-};
 
 /// The study on a score from 1 to 6: a ride in another's style, and one .85 points up the dial.
 fn study() -> String {

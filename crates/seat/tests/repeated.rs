@@ -1,14 +1,10 @@
 //! What the experimenter has driven again.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use std::{fs, path::Path};
-use support::{
+use crate::support::{
     Server, TAB, folder_of, lab_post, one_person, opened, read, replies,
     script::{driven, finish, go_on, here, piece, until},
 };
+use std::{fs, path::Path};
 
 fn repeat(server: &Server, at: u64, reason: &str) -> (u16, String) {
     let body = format!("act=repeat&reason={reason}");
@@ -119,12 +115,12 @@ fn nothing_is_driven_again_once_something_was_answered_after_it_or_stands_in_the
     assert_eq!(ride["kind"], "ride");
     refused(next, "was answered already");
 
-    let study = support::STUDY.replace(
+    let study = crate::support::STUDY.replace(
         "[protocol]\n",
         "[protocol]\nprobe = { scale = \"misc\", every_s = 12 }\n",
     );
     let probed = folder_of(&study.replace("ride_s = 10", "ride_s = 20"));
-    fs::write(probed.path().join("scales/misc.toml"), support::MISC).unwrap();
+    fs::write(probed.path().join("scales/misc.toml"), crate::support::MISC).unwrap();
     let server = Server::open(probed.path());
     let token = opened(&server);
     let (ride, _) = until(&server, &token, "ride");

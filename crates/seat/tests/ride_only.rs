@@ -1,10 +1,6 @@
 //! Studies in which nobody drives: rides in styles that nobody has to be learned for, and questionnaires after rides in another rig.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use support::{
+use crate::support::{
     STUDY, Server, folder_of, open_with, opened, read, replies,
     script::{finish, until},
     tells,

@@ -1,13 +1,9 @@
 //! Several sessions with one link, and several rides in a condition.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{MISC, STUDY, Server, folder_of, lab, opened, read, script::Script, tells};
 use rusqlite::Connection;
 use serde_json::Value;
 use std::{collections::BTreeSet, fs, path::Path};
-use support::{MISC, STUDY, Server, folder_of, lab, opened, read, script::Script, tells};
 
 const A_DAY_S: i64 = 86_400;
 

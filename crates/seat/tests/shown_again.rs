@@ -1,15 +1,11 @@
 //! Rides that show the person's own drive by hand again.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use maveric_seat_page::{Record, replay};
-use std::{fs, path::Path};
-use support::{
+use crate::support::{
     STUDY, Server, TAB, folder_of, lab, open_with, opened,
     script::{Script, driven, go_on, here, piece},
 };
+use maveric_seat_page::{Record, replay};
+use std::{fs, path::Path};
 
 /// A study of one's own drive beside the average driver's; the debriefing says so.
 fn study() -> tempfile::TempDir {

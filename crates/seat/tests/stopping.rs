@@ -1,17 +1,13 @@
 //! Who feels unwell stops: nothing more is driven, and what was is kept and marked.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use maveric_seat::{carried, replay};
-use serde_json::{Value, json};
-use std::fs;
-use support::{
+use crate::support::{
     MISC, STUDY, Server, TAB, folder_of, lab, opened, read,
     script::{Script, driven, handed_over, until, written},
     tells,
 };
+use maveric_seat::{carried, replay};
+use serde_json::{Value, json};
+use std::fs;
 
 const STOPS: &str = "probe = { scale = \"misc\", every_s = 12 }\nstop_if = \"misc >= 6\"\npost = [\"mood\"]\n\
     aftercare = \"aftercare.md\"\ndebrief = \"debrief.md\"\n";
@@ -111,7 +107,7 @@ fn a_reason_that_the_study_does_not_have_is_refused_and_the_button_is_always_the
 #[test]
 fn online_who_stopped_hands_over_what_there_is() {
     let folder = folder();
-    let seat = support::seat(folder.path());
+    let seat = crate::support::seat(folder.path());
     let person = Script {
         stops: Some((700, "unwell")),
         ..Script::default()

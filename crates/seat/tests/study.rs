@@ -1,20 +1,16 @@
 //! A whole study through the server: by a scripted person, by a person whose server is killed, and by people who try what they should not.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{
+    STUDY, Server, TAB, folder, folder_of, lab, lab_post, one_person, open_with, opened, read,
+    script::{driven, finish, go_on, piece, until, up_to},
+    seat, settings, tells,
+};
 use maveric_domain::DrivenBy;
 use maveric_ingest::{IngestSettings, read_log};
 use maveric_seat::{Seat, SeatSettings, Wire, replay, serve};
 use maveric_study::tables::dial::read_turns;
 use serde_json::{Value, json};
 use std::{fs, net::SocketAddr, path::Path, sync::Arc};
-use support::{
-    STUDY, Server, TAB, folder, folder_of, lab, lab_post, one_person, open_with, opened, read,
-    script::{driven, finish, go_on, piece, until, up_to},
-    seat, settings, tells,
-};
 
 #[test]
 fn a_whole_study_becomes_the_files_that_a_run_reads() {
@@ -317,7 +313,7 @@ fn while_nobody_was_learned_from_nobody_rides() {
         "participant,study,order\nP001,1,\nP002,2,calm sporty\n"
     );
     // A study that learns of nobody and names no model has nobody to ride with.
-    let other = support::folder();
+    let other = crate::support::folder();
     let without = SeatSettings {
         model: None,
         ..settings(other.path())

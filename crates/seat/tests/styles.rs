@@ -1,20 +1,16 @@
 //! Rides in styles that are not on the dial: of a file, across, and what is refused of both.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+use crate::support::{
+    STUDY, Server, TAB, folder_of, lab, lab_post, open, opened,
+    script::{driven, go_on, piece},
+    tells,
+};
 use maveric_domain::{DriveId, Embedding, EmbeddingRow, ParticipantId};
 use maveric_seat::carried;
 use maveric_seat_page::Record;
 use maveric_study::tables::embeddings::write_embeddings;
 use serde_json::{Value, json};
 use std::{fs, path::Path};
-use support::{
-    STUDY, Server, TAB, folder_of, lab, lab_post, open, opened,
-    script::{driven, go_on, piece},
-    tells,
-};
 
 /// The study whose condition `sporty` has this car.
 fn study(car: &str) -> String {
@@ -147,10 +143,10 @@ fn online_a_file_of_styles_has_one_row_for_everybody() {
     let folder = folder_of(&study(BY_FILE));
     styles(folder.path(), &[("P001", &[0.7]), ("P002", &[-0.4])]);
     let out = folder.path().join("online");
-    let told = carried::export(&support::seat(folder.path()), &out, None).unwrap_err();
+    let told = carried::export(&crate::support::seat(folder.path()), &out, None).unwrap_err();
     assert!(told.to_string().contains("one row for everybody"), "{told}");
     styles(folder.path(), &[("everybody", &[0.7])]);
-    carried::export(&support::seat(folder.path()), &out, None).unwrap();
+    carried::export(&crate::support::seat(folder.path()), &out, None).unwrap();
     let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
     let steps = study["rows"][0].as_array().unwrap();
     let given = steps

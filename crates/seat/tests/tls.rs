@@ -1,8 +1,5 @@
-//! What is sent to other computers, encrypted by the server itself: `cargo test --workspace --features maveric-seat/tls --test tls`.
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
+//! What is sent to other computers, encrypted by the server itself: `cargo test --workspace --features maveric-seat/tls --test seat tls`.
+use crate::support::{folder, runtime, seat};
 use maveric_seat::{Wire, serve};
 use std::{
     io::{Read as _, Write as _},
@@ -10,7 +7,6 @@ use std::{
     path::Path,
     sync::Arc,
 };
-use support::{folder, runtime, seat};
 use tokio_rustls::rustls::{
     ClientConfig, ClientConnection, RootCertStore, StreamOwned,
     pki_types::{CertificateDer, ServerName, pem::PemObject as _},

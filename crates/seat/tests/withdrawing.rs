@@ -1,16 +1,12 @@
 //! Who takes back what they gave: from the page, from the laboratory, after the end, and while the server is busy with it.
 
-#![allow(clippy::unwrap_used, reason = "a test stops at the first surprise")]
-
-mod support;
-
-use std::{fs, path::Path, thread};
-use support::{
+use crate::support::{
     STUDY, Server, TAB, entered, folder, folder_of, lab, lab_post, one_person, opened, read,
     replies,
     script::{driven, go_on, piece, up_to},
     tells,
 };
+use std::{fs, path::Path, thread};
 
 const DELETE: &str = r#"{"keep":false}"#;
 

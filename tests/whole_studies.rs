@@ -1,17 +1,8 @@
 //! Studies that are not the paper's, walked from logs and answers to the page: it says what was done, and nothing that was not.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
 mod made_up;
 mod recorded;
-#[path = "../support/mod.rs"]
-mod support;
-
-use support::{
+use crate::support::{
     TempStudy, argv,
     own_logs::{analysis, change, measured, panel, recorded, recorded_of, table},
     page::Page,

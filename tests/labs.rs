@@ -1,28 +1,20 @@
 //! Three laboratories' studies, walked as somebody new would: `init`, `inspect`, `import --suggest`, `status`, `run`, the page. Every number
 //! is computed here once more, from what was written into the files.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
 mod limesurvey;
 mod qualtrics;
 mod split_logs;
-#[path = "../support/mod.rs"]
-mod support;
-#[path = "../../crates/study/src/stages/import/tests/workbook.rs"]
+#[path = "../crates/study/src/stages/import/tests/workbook.rs"]
 mod workbook;
 
-use maveric_study::tables::Table;
-use serde_json::Value;
-use support::{
+use crate::support::{
     Ran, TempStudy,
     own_logs::{analysis, change, only_scales, panel, scale},
     page::Page,
     tells,
 };
+use maveric_study::tables::Table;
+use serde_json::Value;
 use workbook::workbook;
 
 /// A study's folder as `init` makes it, with these questionnaires alone where there are any.

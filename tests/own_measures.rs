@@ -1,28 +1,19 @@
 //! What a laboratory brings beside logs: its own measures, answers alone, and the list of what is missing.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
-
 mod analysed;
 mod given_away;
-#[path = "../support/mod.rs"]
-mod support;
-
+use crate::support::{
+    TempStudy, argv, files,
+    own_logs::{PEOPLE, analysis, change, panel, recorded, recorded_of},
+    page::Page,
+    tells,
+};
 use maveric_study::tables::Table;
 use serde_json::Value;
 use std::{
     collections::BTreeMap,
     fmt::Write as _,
     path::{Path, PathBuf},
-};
-use support::{
-    TempStudy, argv, files,
-    own_logs::{PEOPLE, analysis, change, panel, recorded, recorded_of},
-    page::Page,
-    tells,
 };
 
 const DECLARED: &str = "[[measure]]\nid = \"tor_s\"\ntitle = \"Take-over time\"\nunit = \"s\"\naggression = \"-\"\n\
