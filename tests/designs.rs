@@ -3,6 +3,7 @@
 mod faults;
 mod recordings;
 mod rehearsed;
+
 use crate::support::own_logs::{
     PEOPLE, TABLE, TO_THE_NUMBERS, analysis, answers, change, measured, recorded, recorded_of,
     scale, speed, table,

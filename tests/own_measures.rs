@@ -2,6 +2,7 @@
 
 mod analysed;
 mod given_away;
+
 use crate::support::{
     TempStudy, argv, files,
     own_logs::{PEOPLE, analysis, change, panel, recorded, recorded_of},

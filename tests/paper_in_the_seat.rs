@@ -2,6 +2,7 @@
 
 #[path = "../crates/seat/tests/support/mod.rs"]
 mod seat;
+
 use crate::support::{
     TempStudy, argv,
     own_logs::{analysis, change},

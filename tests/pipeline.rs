@@ -3,5 +3,6 @@
 
 mod others;
 mod small_study;
+
 use crate::support::{TempStudy, argv, tells};
 use std::{path::Path, process::Stdio, time::Duration};

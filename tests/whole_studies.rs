@@ -2,6 +2,7 @@
 
 mod made_up;
 mod recorded;
+
 use crate::support::{
     TempStudy, argv,
     own_logs::{analysis, change, measured, panel, recorded, recorded_of, table},

@@ -162,11 +162,7 @@ impl Mapping {
         reason = "numbers, text, lists and tables with keys of text are what TOML writes"
     )]
     pub fn to_toml(&self) -> String {
-        // By way of a table, which is made of parts of it anyway: a second writer of all its kinds would be compiled for this alone.
-        let table = toml::Table::try_from(self);
-        table
-            .expect("a mapping holds nothing that TOML cannot write")
-            .to_string()
+        toml::to_string(self).expect("a mapping holds nothing that TOML cannot write")
     }
 
     /// Whether a folder is one log, because every signal has its own file.

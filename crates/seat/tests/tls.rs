@@ -1,4 +1,5 @@
 //! What is sent to other computers, encrypted by the server itself: `cargo test --workspace --features maveric-seat/tls --test seat tls`.
+
 use crate::support::{folder, runtime, seat};
 use maveric_seat::{Wire, serve};
 use std::{
