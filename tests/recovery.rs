@@ -86,7 +86,7 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     nobody_whom_the_scale_does_not_have_is_turned(&study);
     a_lent_style_has_the_riders_score(&study);
     run(
-        "simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300 --logs --scene S2P02 --watch d/watch.html --watch-participant S2P02 --watch-own d/logs/study2/S2P02-own.mcap",
+        "simulate --model d/model.maveric --conditions d/conditions.csv --out d/av --duration 300 --logs --watch d/watch.html --watch-participant S2P02 --watch-own d/logs/study2/S2P02-own.mcap",
     );
     one_participant_is_watched(&study);
     run("measure --drives d/drives/study2 --drives d/av/drives --out d/measurements.csv");

@@ -7,10 +7,7 @@
 use maveric_domain::{
     Drive, DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId,
 };
-use maveric_ingest::{
-    Beside, IngestSettings, Mapping, Provenance, read_log, write_drive_to, write_mcap,
-    write_mcap_with,
-};
+use maveric_ingest::{IngestSettings, Mapping, Provenance, read_log, write_drive_to, write_mcap};
 use polars::prelude::{CsvReadOptions, PlSmallStr, SerReader};
 use std::{fmt::Write as _, io::Cursor, path::PathBuf, sync::LazyLock};
 
@@ -117,21 +114,6 @@ fn write_log(bencher: divan::Bencher<'_, '_>) {
     bencher.bench(|| {
         let mut out = Cursor::new(Vec::new());
         write_mcap(&recording, &meta(), &mut out).unwrap();
-        out.into_inner().len()
-    });
-}
-
-/// The same with a scene for viewers beside it.
-#[divan::bench(name = "write/log_with_scene/12000", sample_count = 20)]
-fn write_scene(bencher: divan::Bencher<'_, '_>) {
-    let recording = recording();
-    let beside = Beside {
-        scene: true,
-        ..Beside::default()
-    };
-    bencher.bench(|| {
-        let mut out = Cursor::new(Vec::new());
-        write_mcap_with(&recording, &meta(), &beside, &mut out).unwrap();
         out.into_inner().len()
     });
 }

@@ -3,6 +3,7 @@
 
 mod clocks;
 mod damage;
+mod decisions;
 mod fuzz;
 mod lanes;
 mod layouts;
@@ -11,7 +12,6 @@ mod other_files;
 mod others;
 mod rigs;
 mod round_trip;
-mod scene;
 mod signals;
 mod simulators;
 mod split;

@@ -8,7 +8,6 @@ use crate::{
     outcome::{Outcome, Watch, for_each_on},
     run_folder::{read_effects_on, read_scales, read_scenario},
     stage::{Files, Stage},
-    stages::simulate::Scenes,
     tables::{
         Table, TableName, drives::remove_former, participants::write_participants, write_rows,
     },
@@ -60,9 +59,6 @@ pub struct Generate {
     /// Everybody drives as themselves once more, on another day: logs/study1-again, logs/study2-again
     #[arg(long)]
     pub repeat_drives: bool,
-    /// Add a scene for Foxglove and Lichtblick to the logs: everybody's, or one participant's
-    #[arg(long = "scene", value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
-    pub scenes: Option<Scenes>,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -140,9 +136,6 @@ impl Stage for Generate {
             &CohortSettings::default(),
             &study.design,
         )?;
-        if let Some(scenes) = &self.scenes {
-            scenes.check(cohort.drives.iter().map(|d| &d.participant))?;
-        }
         let mut answers = answer_before(&cohort, &scales, &effects, self.seed)?;
         let without_effects = |scale: &&Scale| {
             let is_asked = study.design.protocol().before.contains(&scale.id);
@@ -320,13 +313,6 @@ fn drive(
         .logs
         .join(format!("{folder}{day_name}"))
         .join(format!("{}.mcap", planned.drive));
-    let beside = Beside {
-        scene: options
-            .scenes
-            .as_ref()
-            .is_some_and(|s| s.cover(&planned.participant)),
-        ..Beside::default()
-    };
-    write_recording(&path, &driven.recording, &meta, &beside)?;
+    write_recording(&path, &driven.recording, &meta, &Beside::default())?;
     Ok(driven.report.collisions as usize)
 }

@@ -5,7 +5,7 @@ mod logs;
 mod rides;
 
 pub(crate) use drive::drive_style;
-pub use logs::Scenes;
+pub use logs::LogChoice;
 
 use crate::{
     beyond,
@@ -74,10 +74,7 @@ pub struct Simulate {
     pub watch_own: Option<PathBuf>,
     /// Write logs (MCAP) of everybody, or of one participant; without it only of the one whom the report shows, in the middle of all
     #[arg(long, value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
-    pub logs: Option<Scenes>,
-    /// Write logs with a scene for Foxglove and Lichtblick: everybody's, or one participant's
-    #[arg(long = "scene", value_name = "PARTICIPANT", num_args = 0..=1, default_missing_value = "all")]
-    pub scenes: Option<Scenes>,
+    pub logs: Option<LogChoice>,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -129,8 +126,8 @@ impl Stage for Simulate {
         let model = read_model(&self.model)?;
         let conditions = self.conditions_to_drive(study.as_ref())?;
         let people = || conditions.iter().map(|row| &row.participant);
-        for whose in self.scenes.iter().chain(&self.logs) {
-            whose.check(people())?;
+        if let Some(logs) = &self.logs {
+            logs.check(people())?;
         }
         let logged = Logged::new(self, &conditions);
         let watched = self.watch.as_ref().and_then(|_| {

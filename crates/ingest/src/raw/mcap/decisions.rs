@@ -3,10 +3,13 @@
 use crate::error::IngestError;
 use maveric_bag::{Message, Take, Walk, read_streams};
 use maveric_domain::{LaneActivity, TraceRow, drive::Direction};
+use serde::Serialize;
 use std::path::Path;
 
 /// Topic of the decisions, type `foxglove.Log`.
 pub(crate) const TOPIC: &str = "/maveric/decisions";
+/// Name and text of their schema.
+pub(super) const SCHEMA: (&str, &str) = ("foxglove.Log", include_str!("schemas/log.json"));
 
 /// Something that the automated car decided.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +62,25 @@ impl DecisionKind {
         }
     }
 
+    /// The message of a drive at a time, as JSON.
+    pub(super) fn message(self, drive: &str, time_ns: u64) -> Vec<u8> {
+        let log = Log {
+            timestamp: Time {
+                sec: time_ns / 1_000_000_000,
+                nsec: (time_ns % 1_000_000_000) as u32,
+            },
+            level: self.level(),
+            message: self.as_str(),
+            name: self.node(),
+            file: drive,
+            line: 0,
+        };
+        // Numbers and strings: there is nothing that JSON could refuse.
+        serde_json::to_vec(&log).unwrap_or_default()
+    }
+
     /// Who decides: the `name` of the message.
-    pub(crate) fn node(self) -> &'static str {
+    fn node(self) -> &'static str {
         match self {
             Self::SafetyBrakes | Self::SafetyReleases => "safety_layer",
             _ => "lane_change",
@@ -68,12 +88,29 @@ impl DecisionKind {
     }
 
     /// The message's level: 2 is information, 3 a warning.
-    pub(crate) fn level(self) -> u8 {
+    fn level(self) -> u8 {
         match self {
             Self::SafetyBrakes | Self::ChangeGivenUp => 3,
             _ => 2,
         }
     }
+}
+
+/// A message, field for field as Foxglove's schema has it.
+#[derive(Serialize)]
+struct Log<'a> {
+    timestamp: Time,
+    level: u8,
+    message: &'static str,
+    name: &'static str,
+    file: &'a str,
+    line: u32,
+}
+
+#[derive(Serialize)]
+struct Time {
+    sec: u64,
+    nsec: u32,
 }
 
 /// Decisions at the rows at which something changes; each row's with the row's number.

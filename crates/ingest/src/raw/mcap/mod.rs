@@ -12,7 +12,6 @@ pub(crate) mod read;
 mod rigs;
 mod roles;
 pub(crate) mod samples;
-mod scene;
 pub(crate) mod signals;
 pub(crate) mod slots;
 pub(crate) mod write;

@@ -1,12 +1,12 @@
 //! Writes a recording as a CARLA rig would have recorded it.
 
 use super::{
-    decisions::{DecisionKind, decisions},
-    metadata, scene,
+    decisions::{self, DecisionKind, decisions},
+    metadata,
 };
 use crate::error::IngestError;
 use maveric_bag::{BagError, CdrWriter, Writer};
-use maveric_domain::{Drive, DriveMeta, Recording, Scene, TraceRow, VehicleState};
+use maveric_domain::{DriveMeta, Recording, Scene, TraceRow, VehicleState};
 use std::{io::Write, iter::Peekable};
 
 /// Topic of ego's odometry.
@@ -23,6 +23,13 @@ const OBJECT_ARRAY: (&str, &str) = (
     "derived_object_msgs/msg/ObjectArray",
     include_str!("schemas/object_array.txt"),
 );
+
+/// The road's frame, and the one that moves with ego.
+const MAP: &str = "map";
+const EGO: &str = "ego_vehicle";
+/// Width and height that vehicles are given, in m: recordings do not say them.
+const WIDTH_M: f64 = 1.9;
+const HEIGHT_M: f64 = 1.5;
 
 /// Speed below which a movement has no direction, in m/s.
 const STILL_MPS: f64 = 0.5;
@@ -51,10 +58,6 @@ pub struct Beside<'a> {
     /// What the automated car decided, a row for each of the recording's; empty for people. Becomes `foxglove.Log`
     /// messages on `/maveric/decisions`.
     pub trace: &'a [TraceRow],
-    /// Whether to write a scene for Foxglove and Lichtblick, ten times a second: `foxglove.SceneUpdate` with lanes and
-    /// ego, with the other cars, and with planned path and interventions; `foxglove.FrameTransform` from `map` to
-    /// `ego_vehicle`; and `maveric.Signals` with speed, gap and what was asked. All JSON.
-    pub scene: bool,
     /// A file that belongs to the recording, by name and content; `application/octet-stream`.
     pub attached: Option<(&'a str, &'a [u8])>,
     /// What is to be said of the recording wherever it is read: a warning of [`crate::read_log`].
@@ -81,12 +84,7 @@ pub fn write_mcap_with(
             "its trace has {found} rows, its recording {rows}"
         )));
     }
-    let scene = beside
-        .scene
-        .then(|| Drive::from_recording(meta.clone(), recording));
-    let scene = scene.transpose().map_err(|e| refused(e.to_string()))?;
-    write(recording, meta, beside, scene.as_ref(), &mut out)
-        .map_err(|source| IngestError::Write { source })
+    write(recording, meta, beside, &mut out).map_err(|source| IngestError::Write { source })
 }
 
 /// A file under way.
@@ -97,12 +95,6 @@ struct File<'a> {
 }
 
 impl File<'_> {
-    fn json_channel(&mut self, channel: scene::Channel) -> Result<u16, BagError> {
-        let (name, text) = channel.schema;
-        self.writer
-            .channel(channel.topic, "json", (name, "jsonschema", text))
-    }
-
     fn message(&mut self, channel_id: u16, bytes: &[u8]) -> Result<(), BagError> {
         self.writer
             .message(channel_id, self.row as u32, self.time_ns, bytes)
@@ -116,9 +108,7 @@ fn write(
         trace,
         attached,
         note,
-        ..
     }: &Beside<'_>,
-    scene: Option<&Drive>,
     out: &mut dyn Write,
 ) -> Result<(), BagError> {
     let mut file = File {
@@ -134,10 +124,6 @@ fn write(
     let ego_channel = channel(EGO_TOPIC, ODOMETRY)?;
     let objects_channel = channel(OBJECTS_TOPIC, OBJECT_ARRAY)?;
     let mut decisions = Decisions::new(&mut file, trace)?;
-    let mut beside = match scene {
-        Some(drive) => Some(Beside3d::new(&mut file, recording, drive, trace)?),
-        None => None,
-    };
     let ego_yaw_rad = headings(recording);
     let mut bytes = CdrWriter::new();
     for ((row, yaw), scene) in ego_yaw_rad.into_iter().enumerate().zip(recording.scenes()) {
@@ -151,9 +137,6 @@ fn write(
         header(&mut bytes, time_ns);
         objects(&mut bytes, &scene, time_ns);
         file.message(objects_channel, bytes.bytes())?;
-        if let Some(beside) = &mut beside {
-            beside.row(&mut file, &scene, yaw)?;
-        }
         decisions.row(&mut file, meta)?;
     }
     if let Some((name, content)) = attached {
@@ -172,7 +155,11 @@ struct Decisions {
 
 impl Decisions {
     fn new(file: &mut File<'_>, trace: &[TraceRow]) -> Result<Self, BagError> {
-        let channel = (!trace.is_empty()).then(|| file.json_channel(scene::DECISIONS));
+        let channel = (!trace.is_empty()).then(|| {
+            let (name, text) = decisions::SCHEMA;
+            let schema = (name, "jsonschema", text);
+            file.writer.channel(decisions::TOPIC, "json", schema)
+        });
         Ok(Self {
             channel: channel.transpose()?,
             rest: decisions(trace).into_iter().peekable(),
@@ -184,62 +171,10 @@ impl Decisions {
             return Ok(());
         };
         while let Some((_, kind)) = self.rest.next_if(|next| next.0 == file.row) {
-            let bytes = scene::decision(kind, meta.drive.as_str(), file.time_ns);
+            let bytes = kind.message(meta.drive.as_str(), file.time_ns);
             file.message(channel, &bytes)?;
         }
         Ok(())
-    }
-}
-
-/// The scene's channels.
-struct Beside3d<'a> {
-    recording: &'a Recording,
-    drive: &'a Drive,
-    trace: &'a [TraceRow],
-    every: usize,
-    road: u16,
-    cars: u16,
-    plan: u16,
-    frames: u16,
-    signals: u16,
-}
-
-impl<'a> Beside3d<'a> {
-    fn new(
-        file: &mut File<'_>,
-        recording: &'a Recording,
-        drive: &'a Drive,
-        trace: &'a [TraceRow],
-    ) -> Result<Self, BagError> {
-        Ok(Self {
-            recording,
-            drive,
-            trace,
-            every: ((recording.rate_hz() / scene::SCENE_RATE_HZ).floor() as usize).max(1),
-            road: file.json_channel(scene::STATIC)?,
-            cars: file.json_channel(scene::CARS)?,
-            plan: file.json_channel(scene::PLAN)?,
-            frames: file.json_channel(scene::FRAMES)?,
-            signals: file.json_channel(scene::SIGNALS)?,
-        })
-    }
-
-    fn row(&mut self, file: &mut File<'_>, scene: &Scene, yaw_rad: f64) -> Result<(), BagError> {
-        let (row, time_ns) = (file.row, file.time_ns);
-        if row == 0 {
-            file.message(self.road, &scene::road(self.recording, time_ns))?;
-        }
-        if let Some(plan) = scene::plan(self.trace, row, time_ns) {
-            file.message(self.plan, &plan)?;
-        }
-        if row % self.every != 0 {
-            return Ok(());
-        }
-        let reference = self.drive.rows().lead_id[row];
-        file.message(self.frames, &scene::frame(scene, yaw_rad, time_ns))?;
-        file.message(self.cars, &scene::cars(scene, reference, time_ns))?;
-        let signals = scene::signals(self.drive, self.trace.get(row), row, time_ns);
-        file.message(self.signals, &signals)
     }
 }
 
@@ -262,7 +197,7 @@ fn headings(recording: &Recording) -> Vec<f64> {
 fn header(bytes: &mut CdrWriter, time_ns: i64) {
     bytes.u32(time_ns.div_euclid(1_000_000_000) as i32 as u32);
     bytes.u32(time_ns.rem_euclid(1_000_000_000) as u32);
-    bytes.string(scene::MAP);
+    bytes.string(MAP);
 }
 
 fn pose(bytes: &mut CdrWriter, x_m: f64, y_m: f64, yaw_rad: f64) {
@@ -271,7 +206,7 @@ fn pose(bytes: &mut CdrWriter, x_m: f64, y_m: f64, yaw_rad: f64) {
 }
 
 fn odometry(bytes: &mut CdrWriter, scene: &Scene, yaw_rad: f64) {
-    bytes.string(scene::EGO);
+    bytes.string(EGO);
     pose(bytes, scene.ego.x_m, scene.ego.y_m, yaw_rad);
     bytes.f64s(&[0.0; 36]);
     bytes.f64s(&[scene.ego.speed_mps, 0.0, 0.0, 0.0, 0.0, 0.0]);
@@ -299,7 +234,7 @@ fn object(bytes: &mut CdrWriter, vehicle: &VehicleState, time_ns: i64) {
     bytes.u32(0);
     bytes.u8(BOX);
     bytes.u32(3);
-    bytes.f64s(&[vehicle.length_m, scene::WIDTH_M, scene::HEIGHT_M]);
+    bytes.f64s(&[vehicle.length_m, WIDTH_M, HEIGHT_M]);
     bytes.u32(0);
     bytes.u8(CAR);
     bytes.u8(255);

@@ -66,10 +66,8 @@ pub(super) fn drive(
     let who = row.participant.clone();
     let meta = DriveMeta::new(id, who, row.condition, DrivenBy::Automated).on(ride.occasion);
     if logged {
-        let scenes = options.scenes.as_ref();
         let beside = Beside {
             trace: &driven.trace,
-            scene: scenes.is_some_and(|s| s.cover(&meta.participant)),
             ..Beside::default()
         };
         let log = log_of(&options.out, meta.drive.as_str());

@@ -8,16 +8,16 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Whose logs are written, or get a scene.
+/// Whose logs are written.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Scenes {
+pub enum LogChoice {
     /// Everybody's.
     All,
     /// One participant's.
     Of(String),
 }
 
-impl std::str::FromStr for Scenes {
+impl std::str::FromStr for LogChoice {
     type Err = std::convert::Infallible;
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         Ok(match text {
@@ -27,8 +27,8 @@ impl std::str::FromStr for Scenes {
     }
 }
 
-impl Scenes {
-    /// Whether a participant's logs get one.
+impl LogChoice {
+    /// Whether a participant's logs are written.
     pub fn cover(&self, participant: &ParticipantId) -> bool {
         match self {
             Self::All => true,
@@ -53,24 +53,24 @@ impl Scenes {
 
 /// The participants whose drives are written as logs too.
 pub(super) struct Logged<'a> {
-    wished: [Option<&'a Scenes>; 2],
+    wished: Option<&'a LogChoice>,
     shown: Option<&'a ParticipantId>,
 }
 
 impl<'a> Logged<'a> {
-    /// Those of whom logs or scenes are asked; without such a wish the one whom the report shows: a log takes longer to write than its drive
+    /// Those of whom logs are asked; without such a wish the one whom the report shows: a log takes longer to write than its drive
     /// to be driven, and nothing else reads it.
     pub(super) fn new(options: &'a Simulate, conditions: &'a [ConditionRow]) -> Self {
         let shown = options.logs.is_none().then(|| in_the_middle(conditions));
         Self {
-            wished: [options.logs.as_ref(), options.scenes.as_ref()],
+            wished: options.logs.as_ref(),
             shown: shown.flatten(),
         }
     }
 
     pub(super) fn cover(&self, participant: &ParticipantId) -> bool {
-        let mut wished = self.wished.iter().flatten();
-        self.shown == Some(participant) || wished.any(|whose| whose.cover(participant))
+        let wished = self.wished.is_some_and(|whose| whose.cover(participant));
+        self.shown == Some(participant) || wished
     }
 }
 

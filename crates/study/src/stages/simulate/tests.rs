@@ -50,9 +50,11 @@ fn without_a_wish_the_one_in_the_middle_has_logs_and_otherwise_those_who_are_ask
     };
     let logged = |more: &[&str]| logged_of(&rows, more);
     assert_eq!(logged(&[]), ["P04"]);
-    assert_eq!(logged(&["--scene", "P01"]), ["P01", "P04"]);
     assert_eq!(logged(&["--logs", "P02"]), ["P02"]);
     assert_eq!(logged(&["--logs"]).len(), 4);
+    let logs = LogChoice::Of("P99".to_owned());
+    let refused = logs.check(rows.iter().map(|row| &row.participant));
+    assert!(refused.unwrap_err().to_string().contains("P99"));
     assert_eq!(logged_of(&rows[2..4], &[]), ["P02"]);
     assert_eq!(logs::in_the_middle(&[]), None);
 }
