@@ -3,7 +3,6 @@
     maveric ingest DATA/openacc_astazero  --mapping study_data/mappings/openacc.toml     --out OUT/openacc
     maveric ingest DATA/ngsim_i80_pairs   --mapping study_data/mappings/ngsim_pairs.toml --out OUT/ngsim_pairs
     maveric ingest DATA/ngsim_us101_i80   --mapping study_data/mappings/ngsim.toml       --out OUT/ngsim
-    maveric ingest DATA/comma2k19_segment --mapping study_data/mappings/comma2k19.toml   --out OUT/comma2k19
     pip install pyarrow pandas duckdb polars
     python tests/external/check_tables.py DATA OUT
 
@@ -96,30 +95,6 @@ def ngsim():
     print(f"ngsim_us101_i80: {len(vehicles)} drives, {rows} rows agree")
 
 
-def comma():
-    frame = drive(OUT / "comma2k19/comma2k19_segment.parquet")
-    plain = rows_of(DATA / "comma2k19_segment/speed.csv")
-    times = [float(r["t"]) for r in plain]
-    speeds = [float(r["speed_mps"]) for r in plain]
-    worst = 0.0
-    for t, v in zip(frame["time_s"], frame["ego_speed_mps"]):
-        near = [s for s, at in zip(speeds, times) if abs(at - times[0] - t) < 0.15]
-        worst = max(worst, min(near) - v, v - max(near))
-    assert worst < 0.05, worst
-    radar = rows_of(DATA / "comma2k19_segment/radar.csv")
-    off = []
-    for t, gap in list(zip(frame["time_s"], frame["lead_dx_m"]))[::10]:
-        now = times[0] + t
-        ahead = [float(r["forward_m"]) for r in radar if abs(float(r["t"]) - now) < 0.05 and abs(float(r["left_m"])) < 1]
-        if ahead:
-            off.append(abs(gap - min(ahead)))
-    off.sort()
-    assert off[len(off) * 8 // 10] < 1.0, off
-    print(f"comma2k19_segment: {len(frame)} rows; speed within {worst:.3f} m/s of its samples; "
-          f"gap within {off[len(off) * 8 // 10]:.2f} m of the nearest return straight ahead in 80 % of {len(off)} looks")
-
-
 pairs("openacc_astazero", "openacc", openacc, 1.0)
 pairs("ngsim_i80_pairs", "ngsim_pairs", ngsim_pair, FOOT)
 ngsim()
-comma()

@@ -238,11 +238,7 @@ fn main() {
         };
         let before = PEAK.current_usage();
         PEAK.reset_peak_usage();
-        let folders = settings
-            .mapping
-            .as_ref()
-            .is_some_and(Mapping::takes_folders);
-        let logs = read_log(if folders { &folder } else { &path }, &settings);
+        let logs = read_log(&path, &settings);
         if runs.is_multiple_of(8) {
             let _ = inspect_with(&path, &settings);
             let _ = suggest_mapping(&path);

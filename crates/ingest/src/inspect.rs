@@ -13,7 +13,6 @@ mod words;
 
 use crate::{
     error::IngestError,
-    mapping::Mapping,
     quality::{Warning, WarningKind},
     raw::mcap::{
         choice::{Choice, choose},
@@ -39,7 +38,7 @@ pub enum LogFormat {
     /// An MCAP recording.
     #[default]
     Mcap,
-    /// A table, as text or as Parquet, or a folder of them.
+    /// A table, as text or as Parquet.
     Table,
 }
 
@@ -100,7 +99,7 @@ pub struct ChannelSummary {
 /// One column of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnSummary {
-    /// As in the header; behind its file's name where the log is a folder.
+    /// As in the header.
     pub name: String,
     /// `numbers`, `whole numbers` or `text`.
     pub kind: &'static str,
@@ -139,53 +138,10 @@ pub fn inspect(path: &Path) -> Result<LogSummary, IngestError> {
 /// # Errors
 /// As [`inspect`].
 pub fn inspect_with(path: &Path, settings: &IngestSettings) -> Result<LogSummary, IngestError> {
-    let folders = settings
-        .mapping
-        .as_ref()
-        .is_some_and(Mapping::takes_folders);
-    if folders && path.is_dir() {
-        return inspect_folder(path, settings);
-    }
     match format_of(path)? {
         Format::Mcap => inspect_mcap(path, settings),
         Format::Table => table::inspect_table(path, settings),
     }
-}
-
-/// The files of the signals, one after another, and the drive that they make.
-fn inspect_folder(path: &Path, settings: &IngestSettings) -> Result<LogSummary, IngestError> {
-    let no_mapping = || IngestError::NoMapping {
-        path: path.to_owned(),
-    };
-    let mapping = settings.mapping.as_ref().and_then(|m| m.table.as_ref());
-    let mapping = mapping.ok_or_else(no_mapping)?;
-    let signals = mapping.layout.signals().ok_or_else(no_mapping)?;
-    let mut log_summary = LogSummary {
-        format: LogFormat::Table,
-        ..LogSummary::default()
-    };
-    for file in signals.files() {
-        let file_path = path.join(&file);
-        // A list of events may be empty.
-        if std::fs::metadata(&file_path).is_ok_and(|m| m.len() == 0) {
-            continue;
-        }
-        let of_file = signals
-            .given()
-            .into_iter()
-            .filter(|signal| signal.file == file);
-        let mapped: Vec<(String, String)> = of_file.flat_map(|signal| signal.columns).collect();
-        let (rows, columns) = table::columns_of_signal(&file_path, mapping.into(), &mapped)?;
-        log_summary.rows += rows;
-        log_summary
-            .columns
-            .extend(columns.into_iter().map(|mut column| {
-                column.name = format!("{file}: {}", column.name);
-                column
-            }));
-    }
-    table::with_mapping(path, settings, &mut log_summary);
-    Ok(log_summary)
 }
 
 fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, IngestError> {

@@ -43,11 +43,10 @@ pub use inspect::{
 };
 pub use log_files::log_files;
 pub use mapping::{
-    AngleUnit, Directions, Forward, FrameKind, GapKind, LaneChangesSignal, LaneSignal, Layout,
-    LeadSignal, LengthUnit, Long, LongColumns, Mapping, McapMapping, MessageMapping, Names, Only,
-    Pair, PairColumns, Platoon, PlatoonColumns, Point, RecordingMeta, RigSigns, RoadMapping,
-    RoadSignal, SeesMapping, Side, SignalTables, Signals, SpeedSignal, SpeedUnit, TableMapping,
-    Tells, TimeUnit, Topics, TracksSignal, TwistFrame, Units, VelocitySignal, named_after,
+    AngleUnit, Directions, Forward, FrameKind, GapKind, Layout, LengthUnit, Long, LongColumns,
+    Mapping, McapMapping, MessageMapping, Names, Pair, PairColumns, Platoon, PlatoonColumns, Point,
+    RecordingMeta, RigSigns, RoadMapping, SeesMapping, Side, SpeedUnit, TableMapping, Tells,
+    TimeUnit, Topics, TwistFrame, Units, named_after,
 };
 pub use parquet::{ParquetFile, is_parquet, parquet_bytes, read_parquet};
 pub use provenance::Provenance;

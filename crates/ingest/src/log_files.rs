@@ -4,7 +4,7 @@ use crate::{
     error::IngestError,
     folder::entries_of,
     foreign,
-    mapping::{Mapping, Signals},
+    mapping::Mapping,
     read_log::format_of,
     split::{first_parts, log_parts},
 };
@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 /// then its folders, each by name.
 ///
 /// Files and folders that the mapping skips are not among them, nor are hidden folders. Of the parts of one recording there is the first.
-/// Where the mapping says that signals have their own files, a log is a folder: each that has one of the files.
 ///
 /// # Errors
 /// [`IngestError::NotFound`] or [`IngestError::Io`]; [`IngestError::NotALog`] for a folder that holds no log but a file
@@ -30,10 +29,6 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
     }
     let mut below = Below {
         mapping,
-        signals: mapping
-            .and_then(Mapping::signals)
-            .map(Signals::files)
-            .unwrap_or_default(),
         logs: Vec::new(),
         others: Vec::new(),
         above: Vec::new(),
@@ -48,8 +43,6 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
 /// What lies below a folder.
 struct Below<'a> {
     mapping: Option<&'a Mapping>,
-    /// Files of which a folder that is a log has one.
-    signals: Vec<String>,
     logs: Vec<PathBuf>,
     /// Files that can be made logs.
     others: Vec<PathBuf>,
@@ -65,18 +58,15 @@ impl Below<'_> {
         }
         self.above.push(place);
         let (mut files, mut folders) = (Vec::new(), Vec::new());
-        if self.signals.iter().any(|file| folder.join(file).is_file()) {
-            files.push(folder.to_owned());
-        }
         for entry in entries_of(folder)? {
             if self.mapping.is_some_and(|m| m.skips(&entry)) {
                 continue;
             }
-            if is_split(&entry) && self.signals.is_empty() {
+            if is_split(&entry) {
                 files.push(entry);
             } else if entry.is_dir() {
                 folders.push(entry);
-            } else if self.signals.is_empty() && of_kind(&entry, &TABLES_AND_LOGS) {
+            } else if of_kind(&entry, &TABLES_AND_LOGS) {
                 files.push(entry);
             } else if of_kind(&entry, &foreign::EXTENSIONS) {
                 self.others.push(entry);

@@ -10,14 +10,13 @@ mod refusal;
 mod sees;
 mod shipped_rigs;
 mod side;
-mod signals;
 mod table;
 mod time_pattern;
 mod units;
 
 use crate::{error::IngestError, lane_centres::LaneShape};
 pub use columns::{LongColumns, PairColumns, PlatoonColumns};
-pub use layout::{Directions, Forward, Layout, Long, Pair, Platoon, Point, SignalTables};
+pub use layout::{Directions, Forward, Layout, Long, Pair, Platoon, Point};
 use maveric_domain::{Road, nearest};
 pub use mcap::{McapMapping, MessageMapping, RigSigns, Tells, Topics, TwistFrame};
 pub use names::{Names, named_after};
@@ -27,10 +26,6 @@ pub use sees::SeesMapping;
 use serde::{Deserialize, Serialize};
 pub(crate) use shipped_rigs::SHIPPED_RIGS;
 pub use side::Side;
-pub use signals::{
-    LaneChangesSignal, LaneSignal, LeadSignal, Only, RoadSignal, Signals, SpeedSignal,
-    TracksSignal, VelocitySignal,
-};
 use std::path::Path;
 pub use table::{GapKind, TableMapping};
 pub(crate) use time_pattern::patterned;
@@ -165,16 +160,6 @@ impl Mapping {
         toml::to_string(self).expect("a mapping holds nothing that TOML cannot write")
     }
 
-    /// Whether a folder is one log, because every signal has its own file.
-    pub fn takes_folders(&self) -> bool {
-        self.signals().is_some_and(|s| !s.files().is_empty())
-    }
-
-    /// The signals of a table in which each has its own times.
-    pub(crate) fn signals(&self) -> Option<&Signals> {
-        self.table.as_ref()?.layout.signals()
-    }
-
     /// Whether the mapping says to pass over a file or a folder of this name.
     pub fn skips(&self, path: &Path) -> bool {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -211,8 +196,8 @@ impl Mapping {
             names.check()?;
             let table = self.table.as_ref();
             let meta = table.is_some_and(|t| t.layout.meta().is_some());
-            let why = "`names.parts` is for drives of one table or recording: leave it out where a drive is a folder, or a table has a file beside it";
-            refuse(names.parts.is_some() && (self.takes_folders() || meta), why)?;
+            let why = "`names.parts` is for drives of one table or recording: leave it out where a table has a file beside it";
+            refuse(names.parts.is_some() && meta, why)?;
         }
         if let Some(mcap) = &self.mcap {
             mcap.check()?;
@@ -387,6 +372,11 @@ mod tests {
                 "unknown layout `pears`, expected one of `pair`, `long`",
             ),
             (
+                "\"pair\"",
+                "\"signals\"",
+                "unknown layout `signals`, expected one of `pair`, `long`, `platoon`",
+            ),
+            (
                 "layout = \"pair\"",
                 "layout = \"pair\"\nfoward = \"x\"",
                 "did you mean `forward`?",
@@ -456,14 +446,6 @@ mod tests {
                 "long",
                 "ego_y",
                 "`lane`, `offset`",
-            ),
-            (
-                "uah.toml",
-                "[table]",
-                "[table]\nforward = \"-x\"",
-                "signals",
-                "forward",
-                "`signals`",
             ),
         ] {
             let error = refused(name, from, to);

@@ -5,7 +5,7 @@ use crate::{
     error::IngestError,
     foreign::{self, foreign, foreign_text},
     lane_centres::LaneShape,
-    mapping::{FrameKind, Mapping, names::meta_of},
+    mapping::{FrameKind, names::meta_of},
     parquet::is_parquet,
     quality::{Warning, WarningKind},
     raw::{
@@ -60,9 +60,6 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     }
     settings.rate_hz()?;
     settings.max_gap_s()?;
-    if mapping.is_some_and(Mapping::takes_folders) && path.is_dir() {
-        return read_table(path, &[], settings);
-    }
     let format = format_of(path)?;
     if mapping.is_some_and(|m| m.skips(path)) {
         return Ok(Vec::new());

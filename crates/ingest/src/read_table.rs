@@ -15,7 +15,7 @@ use crate::{
 };
 use std::path::{Path, PathBuf};
 
-/// Reads the drives of a table in one file or several parts by its mapping; of a folder if every signal has its own file.
+/// Reads the drives of a table in one file or several parts by its mapping.
 ///
 /// A vehicle of a table of many that is seen too rarely for a drive is left out by itself, with a warning.
 pub(crate) fn read_table(

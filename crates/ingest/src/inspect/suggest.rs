@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     error::IngestError,
-    folder::{entries_of, file_name},
+    folder::file_name,
     mapping::{Mapping, TableMapping},
     raw::table::text::Style,
     read_log::{Format, format_of, read_log},
@@ -18,7 +18,7 @@ use std::{fmt::Write as _, fs::File, io::Read as _, path::Path};
 /// Bytes of a text that are looked at.
 const LOOKED_AT: u64 = 32 << 20;
 
-/// Proposes a mapping TOML for a table, or for a folder in which every signal has its own file.
+/// Proposes a mapping TOML for a table.
 ///
 /// The columns are told by their names, and by what their numbers do: positions move as speeds say, cars have lengths,
 /// times rise. What is not certain is in comments, and so is what became of the table when it was read by the
@@ -40,9 +40,6 @@ const LOOKED_AT: u64 = 32 << 20;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn suggest_mapping(path: &Path) -> Result<String, IngestError> {
-    if path.is_dir() {
-        return signals(path);
-    }
     if format_of(path)? == Format::Mcap {
         let what = "it is an MCAP recording, which says itself what is in it: no mapping is needed";
         return Err(IngestError::bad_table(path, what));
@@ -275,86 +272,4 @@ fn long(out: &mut String, guess: &Guess, has_y: bool) {
     if guess.both_ways {
         out.push_str("# Some drive along x and some against it.\ndirections = \"both\"\n");
     }
-}
-
-/// A mapping for a folder: its file with a speed, one with tracks ahead, one with positions and velocities.
-fn signals(folder: &Path) -> Result<String, IngestError> {
-    let mut files = entries_of(folder)?;
-    let tables = ["csv", "tsv", "parquet"];
-    files.retain(|f| {
-        f.extension()
-            .is_some_and(|e| tables.iter().any(|t| e == *t))
-            && f.is_file()
-    });
-    let mut sections = String::new();
-    let mut speed = None;
-    for path in files {
-        let read = |bytes| columns::read(&path, bytes, Style::default());
-        let Ok(table) = look(&path).and_then(read) else {
-            continue;
-        };
-        // The column that has one of some names.
-        let column = |any: &str| {
-            let has =
-                |c: &&columns::TableColumn| any.split(' ').any(|a| c.name.eq_ignore_ascii_case(a));
-            table.columns.iter().find(has).map(|c| quoted(&c.name))
-        };
-        let every =
-            |names: &[&str]| -> Option<Vec<String>> { names.iter().map(|n| column(n)).collect() };
-        let guess = guess(&table);
-        let time = guess.columns.iter().find(|(k, _)| *k == "time");
-        let Some(time) = time.map(|(_, c)| quoted(c)) else {
-            continue;
-        };
-        let file = quoted(&file_name(&path));
-        let tracks = [
-            "address track track_id id",
-            "forward_m forward long_dist d_rel range_m x_rel",
-            "left_m left lat_dist y_rel",
-            "rel_speed_mps rel_speed v_rel relative_speed",
-        ];
-        if let Some([track, forward, left, relative]) = every(&tracks).as_deref() {
-            let renewed = column("new_track").map(|n| format!("new_track = {n}\n"));
-            let renewed = renewed.unwrap_or_default();
-            let _ = write!(
-                sections,
-                "\n[table.signals.tracks]\nfile = {file}\ntime = {time}\ntrack = {track}\n{renewed}forward = {forward}\n\
-                 left = {left}\nrelative_speed = {relative}\n"
-            );
-        } else if let Some(vectors) = every(&["x", "y", "z", "vx", "vy", "vz"]) {
-            let (position, velocity) = (vectors[..3].join(", "), vectors[3..].join(", "));
-            let _ = write!(
-                sections,
-                "\n# doubt: positions are taken to be earth-centred, earth-fixed.\n[table.signals.velocity]\nfile = \
-                 {file}\ntime = {time}\nposition = [{position}]\nvelocity = [{velocity}]\n"
-            );
-        } else if let Some(value) = column("speed_mps speed v velocity")
-            && table.columns.len() == 2
-        {
-            let signal =
-                format!("\n[table.signals.speed]\nfile = {file}\ntime = {time}\nvalue = {value}\n");
-            speed = Some((signal, guess));
-        }
-    }
-    let Some((speed, guess)) = speed else {
-        let what = "no file of it has a time and a speed alone; name one of its tables";
-        return Err(IngestError::bad_table(folder, what));
-    };
-    let mut body = String::from(
-        "\n[road]\n# doubt: nothing says how many lanes there are or how fast one may drive.\nlanes = 1\nlane_width_m = 3.66\n\
-         posted_speed_mps = 29.0\n\n[table]\nlayout = \"signals\"\n# doubt: a radar at the front bumper sees the rear \
-         of the vehicle ahead.\ngap_kind = \"bumper_to_bumper\"\n\n[table.units]\n",
-    );
-    for (key, (unit, reason)) in [("time", &guess.time), ("speed", &guess.speed)] {
-        comment(&mut body, reason);
-        let _ = writeln!(body, "{key} = \"{unit}\"");
-    }
-    body.push_str("# doubt: metres, as with speeds in m/s\nlength = \"m\"\n");
-    body.push_str(&speed);
-    body.push_str(&sections);
-    let guess = Guess {
-        shape: Shape::Pair,
-        ..guess
-    };
-    Ok(format!("{}{body}", head(folder, &guess, &body)))
 }

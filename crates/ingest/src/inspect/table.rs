@@ -51,21 +51,8 @@ pub(super) fn inspect_table(
     Ok(log_summary)
 }
 
-/// The columns of one file of a folder of signals, each with its keys.
-pub(super) fn columns_of_signal(
-    path: &Path,
-    written: Style,
-    mapped: &[(String, String)],
-) -> Result<(usize, Vec<ColumnSummary>), IngestError> {
-    let table = columns::read(path, look(path)?, written)?;
-    let guess = guess(&table);
-    let columns = table.columns.iter();
-    let columns = columns.map(|c| summary(c, mapped, &guess, true));
-    Ok((table.rows, columns.collect()))
-}
-
 /// Reads the table, the only sure way to know what becomes of it.
-pub(super) fn with_mapping(path: &Path, settings: &IngestSettings, log_summary: &mut LogSummary) {
+fn with_mapping(path: &Path, settings: &IngestSettings, log_summary: &mut LogSummary) {
     match read_log(path, settings) {
         Ok(drives) => {
             let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();

@@ -90,7 +90,6 @@ impl Layout {
             Self::Pair(pair) => pair.check(),
             Self::Long(long) => long.check(),
             Self::Platoon(platoon) => platoon.check(),
-            Self::Signals(tables) => tables.signals.check(),
         }
     }
 }

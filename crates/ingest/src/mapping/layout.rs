@@ -4,7 +4,6 @@ use super::{
     columns::{LongColumns, PairColumns, PlatoonColumns, given},
     recording_meta::RecordingMeta,
     side::Side,
-    signals::Signals,
 };
 use maveric_domain::nearest;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -25,8 +24,6 @@ pub enum Layout {
     Long(Long),
     /// A row is one time of several vehicles in file, number 1 ahead; each but the first is ego of a drive.
     Platoon(Platoon),
-    /// A folder is one drive, a file in it is one signal with its own times; or a file is one drive, and its columns are the signals.
-    Signals(SignalTables),
 }
 
 /// The keys of layout `pair`.
@@ -80,14 +77,6 @@ pub struct Long {
     pub columns: LongColumns,
     /// A file beside the table that says how it was recorded.
     pub recording_meta: Option<RecordingMeta>,
-}
-
-/// The keys of layout `signals`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SignalTables {
-    /// The signals of a drive.
-    pub signals: Signals,
 }
 
 /// Which point of a vehicle a position is of.
@@ -144,7 +133,7 @@ impl TryFrom<toml::Table> for Layout {
 
     /// Takes the keys of a `[table]` that not every layout has; one that is another layout's is refused with those that belong here.
     fn try_from(mut keys: toml::Table) -> Result<Self, String> {
-        let words = "`pair`, `long`, `platoon`, `signals`";
+        let words = "`pair`, `long`, `platoon`";
         let Some(name) = keys.remove("layout") else {
             let near = nearest("layout", keys.keys().map(String::as_str));
             let near = near.map_or_else(String::new, |key| {
@@ -158,7 +147,6 @@ impl TryFrom<toml::Table> for Layout {
             Some("pair") => read("pair", keys).map(Self::Pair),
             Some("long") => read("long", keys).map(Self::Long),
             Some("platoon") => read("platoon", keys).map(Self::Platoon),
-            Some("signals") => read("signals", keys).map(Self::Signals),
             _ => Err(format!(
                 "unknown layout `{}`, expected one of {words}",
                 name.as_str().unwrap_or(&name.to_string())
@@ -184,16 +172,12 @@ fn read<T: DeserializeOwned>(layout: &str, keys: toml::Table) -> Result<T, Strin
 }
 
 impl Layout {
-    /// Each key of a column with the column that it names; of signals each's own, ego's speed first.
+    /// Each key of a column with the column that it names.
     pub(crate) fn columns(&self) -> Vec<(String, String)> {
         match self {
             Self::Pair(pair) => given(&pair.columns),
             Self::Long(long) => given(&long.columns),
             Self::Platoon(platoon) => given(&platoon.columns),
-            Self::Signals(tables) => {
-                let signals = tables.signals.given().into_iter();
-                signals.flat_map(|signal| signal.columns).collect()
-            }
         }
     }
 
@@ -208,14 +192,6 @@ impl Layout {
         }
     }
 
-    /// The signals, where each has its own times.
-    pub(crate) fn signals(&self) -> Option<&Signals> {
-        match self {
-            Self::Signals(tables) => Some(&tables.signals),
-            _ => None,
-        }
-    }
-
     /// The first column that one of some keys names.
     pub(crate) fn column(&self, keys: &[&str]) -> Option<String> {
         let mut columns = self.columns().into_iter();
@@ -224,14 +200,14 @@ impl Layout {
             .map(|(_, name)| name)
     }
 
-    /// Whether there is a column of a gap, or of the distance of what a radar sees.
+    /// Whether there is a column of a gap.
     pub(super) fn has_gap(&self) -> bool {
-        self.column(&["gap", "forward"]).is_some()
+        self.column(&["gap"]).is_some()
     }
 
     /// Whether a column numbers lanes.
     pub(super) fn numbers_lanes(&self) -> bool {
-        self.column(&["lane", "number"]).is_some()
+        self.column(&["lane"]).is_some()
     }
 
     /// Whether positions are places in the world, so that a line through it can straighten the road.

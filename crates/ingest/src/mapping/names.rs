@@ -13,7 +13,7 @@ use std::{collections::BTreeMap, path::Path};
 
 /// How a file's name says whose drive it is.
 ///
-/// `file` is a pattern for the name without its extension (where a drive is a folder, for the folder's name), such as `pair_{run}_f{place}`: each name in braces
+/// `file` is a pattern for the name without its extension, such as `pair_{run}_f{place}`: each name in braces
 /// takes what stands there, up to the text that follows. `drive`, `participant` and `condition` are put together from these,
 /// from the name of the folder that the file lies in, and from columns of the table that hold one word throughout. Of several sessions, and
 /// of several drives of a condition within one, `{session}` and `{trial}` say which it is: whole numbers from 1.

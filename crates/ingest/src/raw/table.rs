@@ -12,7 +12,6 @@ pub(crate) mod parse;
 mod parts;
 mod platoon;
 mod recording_meta;
-mod signals;
 pub(crate) mod text;
 pub(crate) mod time;
 
@@ -81,9 +80,9 @@ fn refuse_overlaps(path: &Path, drives: &mut [TableDrive]) -> Result<(), IngestE
 
 /// A table to be read: its files and what is said of them.
 pub(crate) struct TableLog<'a> {
-    /// The log's name in warnings: its first file, or a folder of signals.
+    /// The log's name in warnings: its first file.
     pub(crate) path: &'a Path,
-    /// Its files in their order, with their bytes; none of a folder of signals.
+    /// Its files in their order, with their bytes.
     pub(crate) files: Vec<(PathBuf, Vec<u8>)>,
     /// What its columns mean.
     pub(crate) mapping: &'a TableMapping,
@@ -116,7 +115,7 @@ impl<'a> TableLog<'a> {
     }
 }
 
-/// Reads the drives of a table, ordered by group and vehicle; of a folder if the layout is `signals`. Files that it reads besides go to `sources`.
+/// Reads the drives of a table, ordered by group and vehicle. Files that it reads besides go to `sources`.
 pub(crate) fn read(
     log: &mut TableLog<'_>,
     sources: &mut Vec<Source>,
@@ -131,7 +130,6 @@ pub(crate) fn read(
         Layout::Pair(pair) => vec![pair::read(log, pair)?],
         Layout::Platoon(platoon) => platoon::read(log, platoon)?,
         Layout::Long(long) => long::read(log, long, sources)?,
-        Layout::Signals(tables) => vec![signals::read(log, &tables.signals, sources)?],
     };
     refuse_overlaps(path, &mut drives)?;
     for drive in &mut drives {

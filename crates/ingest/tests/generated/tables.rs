@@ -12,7 +12,7 @@ pub(crate) const MAPPINGS: [(&str, &str); 9] = [
     ("highd.toml", "01_tracks.csv"),
     ("exid.toml", "00_tracks.csv"),
     ("ours.toml", "P01-own.csv"),
-    ("comma2k19.toml", "speed.csv"),
+    ("comma2k19.toml", "a_40.csv"),
 ];
 
 /// What tables and mappings trip over.
@@ -62,7 +62,7 @@ pub(crate) fn table(which: usize, rows: u32) -> String {
         7 => text.push_str(
             "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n",
         ),
-        _ => text.push_str("t,speed_mps\n"),
+        _ => text.push_str("time_s,speed_mps,gap_m,lead,lead_speed_mps\n"),
     }
     for i in 0..rows {
         let t = f64::from(i) / 10.0;
@@ -79,7 +79,7 @@ pub(crate) fn table(which: usize, rows: u32) -> String {
             5 => format!("{},{},{},25,4,2,30,0", i / 2, i % 2, 3 * i + i % 2 * 30),
             6 => format!("{},{},{},{},10,4,20,1,{}", i % 2, i / 2, i, i, 1 - i % 2),
             7 => format!("{t},{},0,30,5,20,0,29", 3 * i),
-            _ => format!("{t},20"),
+            _ => format!("{t},20,30,1,21"),
         };
         writeln!(text, "{row}").unwrap();
     }

@@ -79,13 +79,12 @@ proptest! {
             let meta = "frameRate,speedLimit,upperLaneMarkings,lowerLaneMarkings\n25,30,8;12,20;24;28\n";
             std::fs::write(folder.path().join(beside), damaged(meta, &to_mapping)).unwrap();
         }
-        let log = if settings.mapping.as_ref().is_some_and(Mapping::takes_folders) { folder.path() } else { &path };
-        for found in read_log(log, &settings).unwrap_or_default() {
+        for found in read_log(&path, &settings).unwrap_or_default() {
             // A drive takes finite numbers only.
             let drive = drive_of(&found);
             prop_assert!(drive.rows().lead_dx_m.iter().all(|d| d.is_finite()));
         }
-        let _ = inspect_with(log, &settings);
+        let _ = inspect_with(&path, &settings);
         if let Ok(toml) = suggest_mapping(&path) {
             let complete = !toml.contains("It is not complete");
             let read = Mapping::from_toml(&toml, Path::new("proposed"));

@@ -2,9 +2,7 @@
 
 use super::mapped::{drive_of, mapped, of_toml, read_named, settings, shipped};
 use maveric_domain::{Recording, Sees};
-use maveric_ingest::{
-    IngestError, Ingested, Layout, LogFormat, WarningKind, inspect_with, log_files, read_log,
-};
+use maveric_ingest::{IngestError, Ingested, WarningKind, log_files, read_log};
 use std::{fmt::Write as _, path::PathBuf};
 
 fn write(folder: &tempfile::TempDir, name: &str, text: &str) -> PathBuf {
@@ -256,53 +254,6 @@ fn a_speed_that_rows_of_a_long_table_lack_is_told_and_one_below_zero_is_of_whoev
     let speeds = &back[0].recording.ego().speed_mps;
     assert!(speeds.iter().all(|v| near(*v, -10.0)), "{speeds:?}");
     assert_eq!(count(&back, "drives backwards"), 60);
-}
-
-#[test]
-fn a_folder_of_signals_is_one_drive_and_the_vehicle_in_the_lane_leads() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut speed = "t,speed_mps\n".to_owned();
-    for i in 0..1000 {
-        writeln!(speed, "{},20", 100.0 + f64::from(i) / 100.0).unwrap();
-    }
-    write(&folder, "speed.csv", &speed);
-    let mut radar = "t,forward_m,left_m,rel_speed_mps,address,new_track\n".to_owned();
-    for i in 0..200 {
-        let t = 100.0 + f64::from(i) / 20.0;
-        // In ego's lane, beside it, and a sign; all three in one burst.
-        writeln!(radar, "{t},{},0.2,-1,1,0", 50.0 - f64::from(i) / 20.0).unwrap();
-        writeln!(radar, "{t},20,3.5,0,2,0").unwrap();
-        writeln!(radar, "{t},{},0,-20,3,0", 190.0 - f64::from(i)).unwrap();
-    }
-    write(&folder, "radar.csv", &radar);
-    let mapping = settings(shipped("comma2k19.toml"));
-    let error = read_log(folder.path(), &mapping).unwrap_err();
-    assert!(matches!(&error, IngestError::NotFound { path } if path.ends_with("pose_ecef.csv")));
-    let mut straight = mapping.clone();
-    if let Some(table) = straight.mapping.as_mut().and_then(|m| m.table.as_mut())
-        && let Layout::Signals(tables) = &mut table.layout
-    {
-        tables.signals.velocity = None;
-    }
-    let found = read_log(folder.path(), &straight).unwrap().remove(0);
-    let drive = drive_of(&found);
-    let rows = drive.rows();
-    assert_eq!(drive.len(), 200);
-    for row in 0..199 {
-        assert!(
-            near(rows.lead_speed_mps[row], 19.0),
-            "{}",
-            rows.lead_speed_mps[row]
-        );
-        assert!((rows.lead_dx_m[row] - (50.0 - rows.time_s[row])).abs() < 1e-3);
-    }
-    let summary = inspect_with(folder.path(), &straight).unwrap();
-    assert_eq!(summary.format, LogFormat::Table);
-    assert!(
-        summary.would_ingest.contains("1 drive of 200 rows"),
-        "{}",
-        summary.would_ingest
-    );
 }
 
 #[test]

@@ -275,14 +275,11 @@ fn a_part_that_is_not_there_is_a_hole_with_recover_alone() {
 }
 
 #[test]
-fn parts_of_long_tables_and_of_one_table_of_signals_join_as_those_of_pairs_do() {
+fn parts_of_long_tables_join_as_those_of_pairs_do() {
     let names = PAIR.split("[table]").next().unwrap();
     let units = "[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n";
     let long = format!(
         "{names}[table]\nlayout = \"long\"\npoint = \"centre\"\nego = \"a\"\n{units}[table.columns]\ntime = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\n"
-    );
-    let signals = format!(
-        "{names}[table]\nlayout = \"signals\"\n{units}[table.signals.speed]\ntime = \"t\"\nvalue = \"v\"\n"
     );
     let table = |from: u32, to: u32| {
         let mut text = "t,id,x,v\n".to_owned();
@@ -304,12 +301,6 @@ fn parts_of_long_tables_and_of_one_table_of_signals_join_as_those_of_pairs_do() 
         (1200, 1)
     );
     assert_eq!(drive.recording.others()[0].x_m.len(), 1200);
-    // Rows of two vehicles at one time: of a table of signals one speed a time is enough.
-    let drive = read_log(&split.path("P01_calm_1.csv"), &settings(&signals))
-        .unwrap()
-        .remove(0);
-    assert_eq!(drive.recording.rows(), 1200);
-    assert!((drive.recording.ego().x_m[1199] - 20.0 * 59.95).abs() < 1e-6);
     warning(&drive, "goes on in its part 2, 0.050 s later");
     // Begun anew a long table mixes no times either.
     let anew = Folder::new(&[

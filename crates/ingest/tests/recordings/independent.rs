@@ -27,10 +27,6 @@ pub(crate) fn tests() -> Vec<Trial> {
         the_mapping_proposed_for_the_long_ngsim_table_works_as_it_is,
         a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance,
     ]);
-    tests.extend(of!["comma2k19_segment":
-        the_radar_track_in_the_lane_leads_the_car_of_comma2k19,
-        the_mapping_proposed_for_comma2k19_has_the_radar_among_its_signals,
-    ]);
     tests
 }
 
@@ -164,48 +160,6 @@ fn every_row_of_the_long_ngsim_table_is_that_of_the_file(folder: &Path) {
     );
 }
 
-fn the_radar_track_in_the_lane_leads_the_car_of_comma2k19(folder: &Path) {
-    let found = read_log(folder, &settings("comma2k19.toml"))
-        .unwrap()
-        .remove(0);
-    let drive = drive_of(&found);
-    let rows = drive.rows();
-    assert!(drive.len() >= 1198, "{}", drive.len());
-    let speed = Plain::read(&folder.join("speed.csv"));
-    let (t, v) = (speed.column("t"), speed.column("speed_mps"));
-    // The mean over time is the integral over it, whatever the rate of the samples.
-    let area: f64 = (1..t.len())
-        .map(|i| 0.5 * (v[i] + v[i - 1]) * (t[i] - t[i - 1]))
-        .sum();
-    let mean = rows.ego_speed_mps.iter().sum::<f64>() / drive.len() as f64;
-    assert!(
-        (mean - area / (t[t.len() - 1] - t[0])).abs() < 0.01,
-        "{mean}"
-    );
-
-    let radar = Plain::read(&folder.join("radar.csv"));
-    let (rt, forward, left) = (
-        radar.column("t"),
-        radar.column("forward_m"),
-        radar.column("left_m"),
-    );
-    let mut off: Vec<f64> = Vec::new();
-    for row in (0..drive.len()).step_by(10) {
-        let now = t[0] + rows.time_s[row];
-        // What a look at the radar says: the nearest return within a metre of straight ahead.
-        let straight = (0..rt.len()).filter(|&i| (rt[i] - now).abs() < 0.05 && left[i].abs() < 1.0);
-        if let Some(nearest) = straight.map(|i| forward[i]).min_by(f64::total_cmp) {
-            off.push((rows.lead_dx_m[row] - nearest).abs());
-        }
-    }
-    off.sort_by(f64::total_cmp);
-    assert!(off.len() > 80, "{}", off.len());
-    assert!(
-        off[off.len() * 8 / 10] < 1.0,
-        "four of five within a metre: {off:?}"
-    );
-}
-
 /// The mapping that is proposed for a table, as it is.
 fn proposed(path: &Path) -> IngestSettings {
     let toml = suggest_mapping(path).unwrap();
@@ -244,12 +198,6 @@ fn the_mapping_proposed_for_ngsim_pairs_works_as_it_is(folder: &Path) {
 fn the_mapping_proposed_for_the_long_ngsim_table_works_as_it_is(folder: &Path) {
     let path = folder.join("vehicles_with_leader.csv");
     check_ngsim(&path, &proposed(&path));
-}
-
-fn the_mapping_proposed_for_comma2k19_has_the_radar_among_its_signals(folder: &Path) {
-    let drive = drive_of(&read_log(folder, &proposed(folder)).unwrap()[0]);
-    let led = drive.rows().lead_present.iter().filter(|p| **p).count();
-    assert!(led * 10 > drive.len() * 9, "{led}");
 }
 
 fn a_drive_comes_back_from_its_file_bit_by_bit_with_its_provenance(folder: &Path) {

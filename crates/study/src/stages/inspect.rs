@@ -41,7 +41,7 @@ Example: maveric inspect recording.mcap --format json
          maveric inspect P07-own.mcap av/logs/P07-*.mcap --watch P07.html
          maveric inspect --suggest-mapping drives.csv --into mapping.toml")]
 pub struct Inspect {
-    /// Files to look into; a folder whose mapping says that every signal has its own file
+    /// Files to look into
     #[arg(required_unless_present = "suggest_mapping")]
     pub files: Vec<PathBuf>,
     /// What the columns of a table mean (TOML); of a log of the study whose study.toml is in the current directory, the design's when not
@@ -74,7 +74,7 @@ pub struct SuggestedMapping {
     pub mapping: String,
 }
 
-/// Proposes a mapping for a table, or for a folder of tables with a signal each; as a file of its own where one is named.
+/// Proposes a mapping for a table; as a file of its own where one is named.
 ///
 /// # Errors
 /// [`StudyError::Ingest`] for what is no table; [`StudyError::BadFile`] where the file is there already.

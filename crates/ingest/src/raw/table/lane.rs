@@ -12,19 +12,6 @@ use std::path::Path;
 /// Numbers that are nearer to a whole one, and places that are nearer to the edge of their lane, are rounded, in lanes and m.
 const ROUNDED: f64 = 1e-6;
 
-/// Whether a place in a lane is further from its centre than the lane's edge, in m.
-pub(super) fn is_beyond(place_m: f64, lane_width_m: f64) -> bool {
-    place_m.abs() > 0.5 * lane_width_m + ROUNDED
-}
-
-/// What is said of such places.
-pub(super) fn beyond_lane(lane_width_m: f64) -> String {
-    format!(
-        "a place in the lane is further from its centre than half a lane of {lane_width_m} m: it ends at the lane's edge. Are its \
-         unit and `lane_width_m` right?"
-    )
-}
-
 /// How a table numbers lanes, and where they lie.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes {
@@ -116,8 +103,12 @@ impl Lanes {
         let places = places.into_iter().filter(|p| p.is_finite());
         let places_m: Vec<f64> = places.map(|p| p * self.offset_m).collect();
         let width_m = self.road.lane_width_m;
-        let beyond = places_m.iter().filter(|m| is_beyond(**m, width_m)).count();
-        let what = beyond_lane(width_m);
+        let is_beyond = |m: &&f64| m.abs() > 0.5 * width_m + ROUNDED;
+        let beyond = places_m.iter().filter(is_beyond).count();
+        let what = format!(
+            "a place in the lane is further from its centre than half a lane of {width_m} m: it ends at the lane's edge. Are its \
+             unit and `lane_width_m` right?"
+        );
         refuse_many(path, beyond, places_m.len(), &what)?;
         report(&mut doubts, path, WarningKind::Unit, beyond, &what);
         Ok(doubts)

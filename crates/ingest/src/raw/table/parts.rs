@@ -126,7 +126,6 @@ pub(super) fn joined(
     mapping: &TableMapping,
     clock: Clock<'_>,
 ) -> Result<Vec<Warning>, IngestError> {
-    // Of signals that of ego's speed.
     let time = mapping.layout.column(&["time"]).unwrap_or_default();
     let table = Table::open_all(files, mapping.into(), &[(&time, clock.kind())])?;
     let parts = parts(&table, &as_written(&table, &time, clock)?, clock.hole_ns)?;
