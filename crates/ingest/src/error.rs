@@ -92,6 +92,14 @@ pub enum IngestError {
         /// The file.
         path: PathBuf,
     },
+    /// A table for which no mapping can be proposed.
+    #[error("no mapping can be proposed for {}: {reason}", path.to_slash_lossy())]
+    NoProposal {
+        /// The table.
+        path: PathBuf,
+        /// The signal that was not found, or why no drive could be read.
+        reason: String,
+    },
     /// A mapping that cannot be used.
     #[error("mapping {}: {reason}", path.to_slash_lossy())]
     BadMapping {
@@ -272,6 +280,9 @@ impl IngestError {
             Self::NoMapping { .. } => {
                 "give --mapping FILE.toml: study_data/mappings has some, and `maveric inspect --suggest-mapping` writes one"
                     .to_owned()
+            }
+            Self::NoProposal { .. } => {
+                "write the mapping by hand: study_data/README.md has its keys, and study_data/mappings has some".to_owned()
             }
             Self::UnknownColumn { column, unseparated: true, .. } => format!(
                 "`{column}` stands in the name of one of them: another character separates the cells of this table; correct `separator` in the mapping, or leave it out to have it found"

@@ -1,14 +1,11 @@
 //! What is in a log, and what would become of it.
 
-mod beside;
 mod columns;
 mod guess;
 mod reader;
 mod suggest;
 mod survey;
 mod table;
-mod times;
-mod units;
 mod words;
 
 use crate::{

@@ -29,7 +29,6 @@ pub use side::Side;
 use std::path::Path;
 pub use table::{GapKind, TableMapping};
 pub(crate) use time_pattern::patterned;
-pub(crate) use units::FOOT_M;
 pub use units::{AngleUnit, LengthUnit, SpeedUnit, TimeUnit, Units};
 
 /// What a log means where it does not say so itself; read from TOML, where a misspelt key is an error.

@@ -158,14 +158,6 @@ impl TableColumn {
         self.filled().count() + self.words.iter().flatten().count()
     }
 
-    /// The value below which a share of the numbers lies; none without numbers.
-    pub(super) fn quantile(&self, share: f64) -> Option<f64> {
-        let mut values: Vec<f64> = self.filled().collect();
-        values.sort_by(f64::total_cmp);
-        let rank = share * values.len().saturating_sub(1) as f64;
-        values.get(rank.round() as usize).copied()
-    }
-
     /// Whether all numbers are whole.
     pub(super) fn whole(&self) -> bool {
         self.numbers.is_some() && self.filled().all(|v| v.fract().abs() < 1e-9)

@@ -6,10 +6,11 @@ use super::{
     guess::{Guess, Shape, guess},
     seen_in_words,
     suggest::look,
+    words::words,
 };
 use crate::{
     error::IngestError,
-    quality::{Warning, WarningKind},
+    quality::WarningKind,
     raw::table::text::Style,
     read_log::read_log,
     settings::{IngestSettings, Ingested},
@@ -25,15 +26,14 @@ pub(super) fn inspect_table(
     let written = table_mapping.map(Style::from).unwrap_or_default();
     let table = columns::read(path, look(path)?, written)?;
     let guess = guess(&table);
-    let guessed = guess.columns.iter();
-    let guessed = guessed.map(|(key, name)| ((*key).to_owned(), name.clone()));
-    let mapped: Vec<(String, String)> = match table_mapping {
-        Some(mapping) => mapping.layout.columns(),
-        None => guessed.collect(),
+    let mapped: Vec<Mapped> = if let Some(mapping) = table_mapping {
+        mapping.layout.columns()
+    } else {
+        let keys = guess.columns(&guess.first_choice()).into_iter();
+        keys.map(|(key, name)| (key.to_owned(), name)).collect()
     };
-    let sure = table_mapping.is_some();
     let columns = table.columns.iter();
-    let columns = columns.map(|c| summary(c, &mapped, &guess, sure));
+    let columns = columns.map(|c| summary(c, &mapped, table_mapping.is_some()));
     let mut log_summary = LogSummary {
         format: LogFormat::Table,
         columns: columns.collect(),
@@ -45,8 +45,6 @@ pub(super) fn inspect_table(
     } else {
         log_summary.would_ingest = without_mapping(&table, &guess);
         log_summary.warnings.extend(table.warnings);
-        let noted = |why: String| Warning::new(path, WarningKind::Noted, 1, why);
-        log_summary.warnings.extend(guess.offset.map(noted));
     }
     Ok(log_summary)
 }
@@ -85,48 +83,41 @@ fn with_mapping(path: &Path, settings: &IngestSettings, log_summary: &mut LogSum
     }
 }
 
-fn without_mapping(table: &Sheet, guess: &Guess) -> String {
+fn without_mapping(table: &Sheet, guess: &Guess<'_>) -> String {
     let what = match guess.shape {
-        Shape::Pair => "it looks like one pair a file",
-        Shape::Long => "it looks like one vehicle a row",
-        Shape::Platoon => "it looks like a platoon side by side",
-        Shape::Unknown(missing) => {
+        Ok(Shape::Pair) => "it looks like one pair a file",
+        Ok(Shape::Long) => "it looks like one vehicle a row",
+        Ok(Shape::Platoon) => "it looks like a platoon side by side",
+        Err(missing) => {
             return format!(
-                "nothing, even by a mapping: {missing} (in {} columns)",
+                "nothing, even by a mapping: {} (in {} columns)",
+                missing.as_str(),
                 table.columns.len()
             );
         }
     };
-    let rate = guess
-        .rate_hz
-        .map_or_else(String::new, |r| format!(" at {r:.2} Hz"));
     format!(
-        "nothing without a mapping that says what columns mean and in which units; {what}{rate}: see \
-         `--suggest-mapping`"
+        "nothing without a mapping that says what columns mean and in which units; {what}: see `--suggest-mapping`"
     )
 }
 
-fn summary(
-    column: &TableColumn,
-    mapped: &[(String, String)],
-    guess: &Guess,
-    sure: bool,
-) -> ColumnSummary {
+/// A key of a mapping and its column.
+type Mapped = (String, String);
+
+/// A column with the key that it has in a mapping, or with one that is guessed by its name.
+fn summary(column: &TableColumn, mapped: &[Mapped], is_mapped: bool) -> ColumnSummary {
     let range = column.range();
     let stem = column.name.trim_end_matches(|d: char| d.is_ascii_digit());
     let is =
         |name: &str| name == column.name || name.strip_suffix("{n}").is_some_and(|s| s == stem);
     let named = mapped.iter().find(|m| is(m.1.trim_end_matches('?')));
-    let key = named.map(|m| m.0.as_str());
-    let unit = match key {
-        _ if sure => None,
-        Some("time") => Some(guess.time.0),
-        Some("ego_speed" | "speed" | "speed_x" | "speed_y" | "lead_speed") => Some(guess.speed.0),
-        Some(
-            "ego_x" | "ego_y" | "x" | "y" | "offset" | "gap" | "lead_x" | "ego_length"
-            | "lead_length" | "length",
-        ) => Some(guess.length.0),
-        _ => None,
+    let meaning = |key: &String| {
+        let unit = words(&column.name).unit;
+        match unit {
+            _ if is_mapped => key.clone(),
+            Some(unit) => format!("{key}, in {unit}?"),
+            None => format!("{key}?"),
+        }
     };
     ColumnSummary {
         name: column.name.clone(),
@@ -138,10 +129,6 @@ fn summary(
         filled: column.count(),
         least: range.map(|r| r.0),
         greatest: range.map(|r| r.1),
-        meaning: key.map(|k| match (sure, unit) {
-            (true, _) => k.to_owned(),
-            (false, Some(unit)) => format!("{k}, in {unit}?"),
-            (false, None) => format!("{k}?"),
-        }),
+        meaning: named.map(|m| meaning(&m.0)),
     }
 }

@@ -18,7 +18,7 @@ pub(super) enum What {
     Frame,
     Id,
     Group,
-    /// A position along some axis; which one is along the road, numbers must tell.
+    /// A position along some axis.
     Position,
     Speed,
     SpeedX,
@@ -29,7 +29,7 @@ pub(super) enum What {
     Lane,
     /// A place in the lane, by its name.
     Offset,
-    /// A place to the side: in the lane or across the road, numbers must tell.
+    /// A place to the side: in the lane or across the road.
     Lateral,
     Heading,
 }
@@ -43,6 +43,8 @@ pub(super) struct Words {
     pub(super) number: Option<u32>,
     /// Unit at the end of the name.
     pub(super) unit: Option<&'static str>,
+    /// Whether it is along y.
+    pub(super) is_y: bool,
 }
 
 /// Words of a name, in small letters, `ä` as `ae` and so on: split at signs, at capitals and before numbers.
@@ -125,7 +127,8 @@ pub(super) fn words(name: &str) -> Words {
             word,
         )
     };
-    let what = if differs || elsewhere || has("thw ttc") || has("headway gap") && has("time") {
+    // Upwards is no place on the road, and no speed along it.
+    let what = if differs || elsewhere || has("z vz thw ttc") || has("headway gap") && has("time") {
         None
     } else if has("frame frames") {
         Some(What::Frame)
@@ -171,6 +174,7 @@ pub(super) fn words(name: &str) -> Words {
         what,
         number,
         unit,
+        is_y: has("y"),
     }
 }
 
@@ -277,7 +281,14 @@ mod tests {
                 "{name}"
             );
         }
-        for name in ["camera_x", "pixel_y", "gaze_pos", "steering_wheel_position"] {
+        for name in [
+            "camera_x",
+            "pixel_y",
+            "gaze_pos",
+            "steering_wheel_position",
+            "velocityZ",
+            "z_m",
+        ] {
             assert_eq!(words(name).what, None, "{name}");
         }
         for (name, whose, what, unit) in [

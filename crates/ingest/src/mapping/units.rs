@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Metres in an international foot.
-pub(crate) const FOOT_M: f64 = 0.3048;
+const FOOT_M: f64 = 0.3048;
 
 /// Units of the columns; none has a default but the angle's, which few tables have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ mod cells;
 mod ending_early;
 mod ids;
 mod lane;
-pub(crate) mod lateral;
+mod lateral;
 mod long;
 pub(crate) mod open;
 mod pair;

@@ -10,6 +10,7 @@ mod layouts;
 mod mapped;
 mod other_files;
 mod others;
+mod proposals;
 mod rig_tables;
 mod rigs;
 mod round_trip;

@@ -20,7 +20,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     ]);
     tests.extend(of!["ngsim_i80_pairs":
         every_row_of_the_ngsim_pairs_is_that_of_the_file_in_metres,
-        the_mapping_proposed_for_ngsim_pairs_works_as_it_is,
+        the_mapping_proposed_for_ngsim_pairs_doubts_their_units,
     ]);
     tests.extend(of!["ngsim_us101_i80":
         every_row_of_the_long_ngsim_table_is_that_of_the_file,
@@ -191,8 +191,14 @@ fn the_mapping_proposed_for_openacc_works_as_it_is(folder: &Path) {
     proposed_for_pairs(folder, 1.0);
 }
 
-fn the_mapping_proposed_for_ngsim_pairs_works_as_it_is(folder: &Path) {
-    proposed_for_pairs(folder, FOOT);
+/// Nothing but their numbers says that they are in feet.
+fn the_mapping_proposed_for_ngsim_pairs_doubts_their_units(folder: &Path) {
+    let path = folder.join("i80_0500pm_f1278_l1267.csv");
+    let toml = suggest_mapping(&path).unwrap();
+    for of in ["length", "speed"] {
+        let doubt = format!("# doubt: no name says the unit of {of}.\n{of} = ");
+        assert!(toml.contains(&doubt), "{toml}");
+    }
 }
 
 fn the_mapping_proposed_for_the_long_ngsim_table_works_as_it_is(folder: &Path) {

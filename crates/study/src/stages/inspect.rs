@@ -77,7 +77,7 @@ pub struct SuggestedMapping {
 /// Proposes a mapping for a table; as a file of its own where one is named.
 ///
 /// # Errors
-/// [`StudyError::Ingest`] for what is no table; [`StudyError::BadFile`] where the file is there already.
+/// [`StudyError::Ingest`] for what is no table or has no proposal; [`StudyError::BadFile`] where the file is there already.
 fn suggest(path: &Path, into: Option<&Path>) -> Result<Outcome<Looked>, StudyError> {
     if let Some(into) = into.filter(|into| into.symlink_metadata().is_ok()) {
         let problem = "is there already, and a proposal is written over no mapping";

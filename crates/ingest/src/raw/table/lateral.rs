@@ -20,7 +20,7 @@ const AGAINST_M: f64 = 0.3;
 ///
 /// Whoever crosses the marking on the left has the greatest place to the left before and the greatest to the right behind it. A position
 /// that steps from centre to centre does not move around its step, and an outlier comes back.
-pub(crate) fn jumps(times_ns: &[i64], places_m: &[f64]) -> Vec<(i64, f64)> {
+fn jumps(times_ns: &[i64], places_m: &[f64]) -> Vec<(i64, f64)> {
     let step_s = |i: usize| times_ns[i].saturating_sub(times_ns[i - 1]) as f64 / 1e9;
     let jump = |i: usize| places_m[i] - places_m[i - 1];
     let is_jump = |&i: &usize| {

@@ -91,14 +91,6 @@ pub(super) fn as_written(
     Ok(stamps_ns)
 }
 
-/// Times that are words.
-pub(crate) struct Written {
-    /// How they are written; none for ISO 8601.
-    pub(crate) pattern: Option<&'static str>,
-    /// In s, shape `(rows,)`; NaN for an empty cell.
-    pub(crate) seconds: Vec<f64>,
-}
-
 /// Patterns that leave no doubt which number is what: of two before a year, between slashes, either may be the month.
 const PATTERNS: [&str; 10] = [
     "%H:%M:%S",
@@ -113,22 +105,28 @@ const PATTERNS: [&str; 10] = [
     "%d.%m.%Y %H:%M:%S.%f",
 ];
 
-/// The times that words are, if all of them are written alike.
-pub(crate) fn written(words: &[Option<String>]) -> Option<Written> {
-    let first = words.iter().flatten().next()?;
-    let with_pattern = |pattern: Option<&'static str>| {
-        time_in(first, pattern)?;
-        let second = |word: &Option<String>| match word {
-            None => Some(f64::NAN),
-            Some(word) => Some(time_in(word, pattern)? as f64 / 1e9),
+/// How times are written as words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    Iso8601,
+    Pattern(&'static str),
+}
+
+/// Returns how words are written, if all of them are times of one form.
+pub(crate) fn form_of(words: &[Option<String>]) -> Option<Form> {
+    words.iter().flatten().next()?;
+    let fits = |form: &Form| {
+        let pattern = match form {
+            Form::Iso8601 => None,
+            Form::Pattern(pattern) => Some(*pattern),
         };
-        let seconds = words.iter().map(second).collect::<Option<_>>()?;
-        Some(Written { pattern, seconds })
+        let mut words = words.iter().flatten();
+        words.all(|word| time_in(word, pattern).is_some())
     };
-    [None]
+    [Form::Iso8601]
         .into_iter()
-        .chain(PATTERNS.map(Some))
-        .find_map(with_pattern)
+        .chain(PATTERNS.map(Form::Pattern))
+        .find(fits)
 }
 
 /// The time that a word is, by a pattern or as ISO 8601, in ns.
