@@ -1,7 +1,7 @@
-//! Damages recordings at random and reads columns of them, for as many seconds as asked: `fuzz TARGET SECONDS SEED`.
+//! Damages recordings at random and reads fields of them, for as many seconds as asked: `fuzz TARGET SECONDS SEED`.
 //!
 //! `json` and `protobuf` damage messages (and descriptors), `share` a recording of many channels that share schemas, in the
-//! midst of its declarations. Nothing may panic, give a number that is none, or take more than 64 MiB for an input of at most
+//! midst of its declarations. Nothing may panic, or take more than 64 MiB for an input of at most
 //! 1 MiB. A failing input stays in the folder for temporary files.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 #![expect(clippy::unwrap_used, reason = "what cannot be made cannot be fuzzed")]
@@ -10,7 +10,7 @@
 mod chance;
 
 use chance::Chance;
-use maveric_bag::{Walk, Writer, columns_from};
+use maveric_bag::{Channel, Codec, Message, OwnedSchema, Take, Walk, Writer, read_streams};
 use peak_alloc::PeakAlloc;
 use prost_reflect::prost::Message as _;
 use prost_reflect::prost_types::{
@@ -197,6 +197,48 @@ fn shared(chance: &mut Chance) -> Vec<u8> {
     bytes
 }
 
+/// Reads fields of the messages of one stream.
+#[derive(Default)]
+struct Fields {
+    codec: Option<Codec>,
+    row: Vec<f64>,
+    numbers: u64,
+}
+
+impl Fields {
+    /// Of the topic of each of `fields`, the path in its messages is decoded.
+    fn of(fields: &[&str], channel: &Channel, schema: Option<&OwnedSchema>) -> Self {
+        let paths: Vec<&str> = fields
+            .iter()
+            .filter_map(|field| {
+                field
+                    .strip_prefix(channel.topic.as_str())?
+                    .strip_prefix('.')
+            })
+            .collect();
+        Self {
+            codec: Codec::compile(channel, schema, &paths).ok(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Take for Fields {
+    fn take(&mut self, message: Message<'_>, _: u32) {
+        let Some(codec) = &self.codec else { return };
+        let mut numbers = 0;
+        let mut count = |row: &[f64]| numbers += row.len() as u64;
+        // A message that does not fit is none.
+        if codec.run(message.data, &mut self.row, &mut count).is_ok() {
+            self.numbers += numbers + self.row.len() as u64;
+        }
+    }
+
+    fn mark(&mut self) {}
+
+    fn roll_back(&mut self) {}
+}
+
 fn main() {
     let mut words = std::env::args().skip(1);
     let target = words.next().unwrap_or_else(|| "json".to_owned());
@@ -231,16 +273,14 @@ fn main() {
         };
         let before = PEAK.current_usage();
         PEAK.reset_peak_usage();
-        let read = columns_from(&input[..], fields, how);
+        let read = read_streams(std::slice::from_ref(&kept), how, |channel, schema| {
+            Fields::of(fields, channel, schema)
+        });
         let peak = PEAK.peak_usage().saturating_sub(before);
         most = most.max(peak);
         assert!(peak <= MOST_BYTES, "{peak} bytes for {}", kept.display());
-        for column in read.into_iter().flat_map(|read| read.columns) {
-            assert_eq!(column.values.len(), column.time_ns.len());
-            let mut values = column.values.iter().flatten();
-            assert!(values.all(|v| !v.is_nan()), "{}", kept.display());
-            numbers += column.values.len() as u64;
-        }
+        let streams = read.into_iter().flat_map(|read| read.streams);
+        numbers += streams.map(|s| s.taken.numbers).sum::<u64>();
         runs += 1;
     }
     let _ = std::fs::remove_file(&kept);

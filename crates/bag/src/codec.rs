@@ -53,6 +53,10 @@ impl OwnedSchema {
 impl Codec {
     /// Compiles the decoding of a channel for the numbers at some paths.
     ///
+    /// Paths go down by points: `angular_velocity.z`. `objects[].id` gives a row for each element, `[0]` is one element of an array,
+    /// `a|b` the one of two that there is, and a path that ends in `?` may be missing. Booleans are 0 and 1. A path to a text ends in `#`
+    /// and gives its [`crate::name_number`].
+    ///
     /// # Errors
     /// A sentence that says why this channel cannot be decoded.
     pub fn compile(

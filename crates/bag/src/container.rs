@@ -28,8 +28,8 @@ use std::{
 /// the data and of the summary, and the number of messages.
 ///
 /// # Errors
-/// [`BagError::Damaged`] at the first damage without `recover`; [`BagError::Io`]; [`BagError::Cancelled`].
-pub fn walk(path: &Path, how: Walk<'_>, visitor: &mut impl Visitor) -> Result<Walked, BagError> {
+/// [`BagError::Damaged`] at the first damage without `recover`; [`BagError::Io`].
+pub fn walk(path: &Path, how: Walk, visitor: &mut impl Visitor) -> Result<Walked, BagError> {
     let wrong = |e| BagError::io(path, e);
     let mut file = File::open(path).map_err(wrong)?;
     let length = file.metadata().map_err(wrong)?.len();
@@ -56,7 +56,7 @@ pub fn walk(path: &Path, how: Walk<'_>, visitor: &mut impl Visitor) -> Result<Wa
 pub fn walk_from(
     path: &Path,
     mut source: impl Read + Seek,
-    how: Walk<'_>,
+    how: Walk,
     visitor: &mut impl Visitor,
 ) -> Result<Walked, BagError> {
     let length = source.seek(SeekFrom::End(0));
@@ -74,7 +74,7 @@ fn walk_with(
     source: impl Read + Seek,
     length: u64,
     ahead: Option<&mut Ahead>,
-    how: Walk<'_>,
+    how: Walk,
     visitor: &mut impl Visitor,
 ) -> Result<Vec<Damage>, BagError> {
     let mut walker = Walker {
@@ -102,7 +102,7 @@ struct Walker<'a, R> {
     path: &'a Path,
     file: BufReader<R>,
     length: u64,
-    how: Walk<'a>,
+    how: Walk,
     buffer: Vec<u8>,
     unpacker: Unpacker,
     ahead: Option<&'a mut Ahead>,
@@ -125,7 +125,6 @@ impl<R: Read + Seek> Walker<'_, R> {
         self.start_magic()?;
         self.resume = offset;
         loop {
-            self.how.go_on()?;
             let Some((opcode, length)) = self.head(offset)? else {
                 return self.damaged(
                     offset,

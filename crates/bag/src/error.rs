@@ -26,31 +26,6 @@ pub enum BagError {
         /// What is wrong there.
         what: String,
     },
-    /// No channel whose topic begins a wanted column.
-    #[error("no topic of {} begins `{wanted}`; its topics are {}", path.to_slash_lossy(), found.join(", "))]
-    UnknownTopic {
-        /// The file.
-        path: PathBuf,
-        /// The column.
-        wanted: String,
-        /// The topics there are.
-        found: Vec<String>,
-        /// The most similar of them.
-        nearest: Option<String>,
-    },
-    /// A channel that cannot be decoded, or lacks a wanted field.
-    #[error("topic `{topic}` of {} is refused: {why}", path.to_slash_lossy())]
-    Refused {
-        /// The file.
-        path: PathBuf,
-        /// The channel's topic.
-        topic: String,
-        /// What its schema lacks, or why its encoding cannot be read.
-        why: String,
-    },
-    /// It was told to stop.
-    #[error("interrupted")]
-    Cancelled,
     /// A recording that could not be written.
     #[error("could not write the recording")]
     Write {

@@ -58,7 +58,7 @@ pub struct Streams<T> {
 /// As [`walk`].
 pub fn read_streams<T: Take>(
     parts: &[PathBuf],
-    how: Walk<'_>,
+    how: Walk,
     taker: impl FnMut(&Channel, Option<&OwnedSchema>) -> T,
 ) -> Result<Streams<T>, BagError> {
     streams_of(parts.len(), taker, |part, visitor| {

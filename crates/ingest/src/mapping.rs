@@ -139,26 +139,6 @@ impl Mapping {
         Ok(mapping)
     }
 
-    /// The mapping as the text of a file.
-    ///
-    /// # Example
-    /// ```
-    /// use maveric_ingest::{LengthUnit, Layout, Mapping, Platoon, PlatoonColumns, SpeedUnit, TableMapping, TimeUnit, Units};
-    /// let units = Units::new(TimeUnit::Seconds, LengthUnit::Metres, SpeedUnit::MetresPerSecond);
-    /// let [time, speed, gap] = ["t", "v{n}", "gap{n}"].map(str::to_owned);
-    /// let columns = PlatoonColumns { time, speed, gap, ..PlatoonColumns::default() };
-    /// let table = TableMapping::new(Layout::Platoon(Platoon { offset_grows: None, columns }), units);
-    /// let text = Mapping { table: Some(table), ..Mapping::default() }.to_toml();
-    /// assert!(text.contains("speed = \"v{n}\""));
-    /// ```
-    #[expect(
-        clippy::missing_panics_doc,
-        reason = "numbers, text, lists and tables with keys of text are what TOML writes"
-    )]
-    pub fn to_toml(&self) -> String {
-        toml::to_string(self).expect("a mapping holds nothing that TOML cannot write")
-    }
-
     /// Whether the mapping says to pass over a file or a folder of this name.
     pub fn skips(&self, path: &Path) -> bool {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -258,44 +238,6 @@ fn with_suggestion(error: &toml::de::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_mapping_that_is_written_is_read_as_it_was() {
-        let shipped = maveric_data::FILES.iter();
-        let shipped = shipped.filter(|(path, _)| path.starts_with("study_data/mappings/"));
-        let mut count = 0;
-        for (path, text) in shipped {
-            let mapping = Mapping::from_toml(text, Path::new(path)).unwrap();
-            let again = Mapping::from_toml(&mapping.to_toml(), Path::new(path));
-            assert_eq!(again.unwrap(), mapping, "{path}");
-            count += 1;
-        }
-        assert!(count > 10);
-    }
-
-    #[test]
-    fn a_table_that_is_new_is_one_of_a_file_that_says_nothing_else() {
-        let text = "[table]\nlayout = \"platoon\"\n[table.units]\ntime = \"ms\"\nlength = \"ft\"\nspeed = \"mph\"\n\
-            [table.columns]\ntime = \"t\"\nspeed = \"v{n}\"\ngap = \"s{n}\"\n";
-        let units = Units::new(
-            TimeUnit::Milliseconds,
-            LengthUnit::Feet,
-            SpeedUnit::MilesPerHour,
-        );
-        let [time, speed, gap] = ["t", "v{n}", "s{n}"].map(str::to_owned);
-        let columns = PlatoonColumns {
-            time,
-            speed,
-            gap,
-            ..PlatoonColumns::default()
-        };
-        let layout = Layout::Platoon(Platoon {
-            offset_grows: None,
-            columns,
-        });
-        let read: Mapping = toml::from_str(text).unwrap();
-        assert_eq!(read.table, Some(TableMapping::new(layout, units)));
-    }
 
     #[test]
     fn a_mapping_built_in_code_is_checked_as_one_of_a_file_is() {

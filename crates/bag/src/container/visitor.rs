@@ -1,7 +1,6 @@
 //! How a recording is walked, and what a walk gives.
 
-use crate::{error::BagError, record::Record};
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::record::Record;
 
 /// A part of a file that could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,24 +27,11 @@ pub trait Visitor {
 
 /// How a recording is walked.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Walk<'a> {
+pub struct Walk {
     /// Whether damage is stepped over and returned.
     pub recover: bool,
     /// Whether the file is hashed on the way.
     pub hash: bool,
-    /// Ends the walk with an error soon after it became true.
-    pub cancel: Option<&'a AtomicBool>,
-}
-
-impl Walk<'_> {
-    /// # Errors
-    /// [`BagError::Cancelled`] once that is wanted.
-    pub(super) fn go_on(&self) -> Result<(), BagError> {
-        match self.cancel {
-            Some(cancel) if cancel.load(Ordering::Relaxed) => Err(BagError::Cancelled),
-            _ => Ok(()),
-        }
-    }
 }
 
 /// What a walk found besides the records.

@@ -4,13 +4,9 @@ use crate::made::{
     ALL, Heard, Notes, PACKINGS, RECOVER, chunks, flipped, message, recorded, recorded_of,
     recovered, time, with,
 };
-use maveric_bag::{BagError, MOST_RECORD, Walk, Walked, walk, walk_from};
+use maveric_bag::{MOST_RECORD, Walk, Walked, walk};
 use mcap::{Compression, WriteOptions};
-use std::{
-    io::Cursor,
-    path::{Path, PathBuf},
-    sync::atomic::AtomicBool,
-};
+use std::path::{Path, PathBuf};
 
 /// A message that hardly packs: eight KiB of a generator's bytes.
 fn noise(i: usize) -> Heard {
@@ -37,7 +33,7 @@ fn on_disk(folder: &Path, bytes: &[u8]) -> PathBuf {
     path
 }
 
-fn by_path(path: &Path, how: Walk<'_>) -> Result<(Notes, Walked), String> {
+fn by_path(path: &Path, how: Walk) -> Result<(Notes, Walked), String> {
     let mut notes = Notes::default();
     let walked = walk(path, how, &mut notes).map_err(|e| e.to_string())?;
     Ok((notes, walked))
@@ -115,23 +111,6 @@ fn a_short_file_is_hashed_too_and_one_that_is_not_there_is_an_error() {
         none.contains("could not read") && none.contains("none.mcap"),
         "{none}"
     );
-}
-
-#[test]
-fn a_walk_that_is_told_to_stop_stops() {
-    let stop = AtomicBool::new(true);
-    let how = Walk {
-        cancel: Some(&stop),
-        ..RECOVER
-    };
-    let mut notes = Notes::default();
-    let bytes = recorded(WriteOptions::new());
-    let stopped = walk_from(Path::new("-"), Cursor::new(&bytes), how, &mut notes);
-    assert!(matches!(stopped, Err(BagError::Cancelled)));
-    assert!(notes.messages.is_empty());
-    stop.store(false, std::sync::atomic::Ordering::Relaxed);
-    walk_from(Path::new("-"), Cursor::new(&bytes), how, &mut notes).unwrap();
-    assert_eq!(notes.messages.len(), ALL);
 }
 
 /// The 13th message is longer than any that is read, by a byte or by much, the 14th just as long as one may be.

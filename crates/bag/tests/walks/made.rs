@@ -162,10 +162,9 @@ impl Visitor for Notes {
     }
 }
 
-pub(crate) const RECOVER: Walk<'static> = Walk {
+pub(crate) const RECOVER: Walk = Walk {
     recover: true,
     hash: false,
-    cancel: None,
 };
 
 /// Walks over damage.

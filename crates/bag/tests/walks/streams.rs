@@ -1,9 +1,9 @@
-//! Streams over the files of a recording and over its damage, and columns of them.
+//! Streams over the files of a recording and over its damage.
 
 use crate::made::{
     ALL, EACH, RECOVER, bare, chunks, flipped, last_record, message, packed, recorded, time, with,
 };
-use maveric_bag::{Channel, Message, OwnedSchema, Streams, Take, Walk, columns_from, read_streams};
+use maveric_bag::{Channel, Message, OwnedSchema, Streams, Take, Walk, read_streams};
 use mcap::{WriteOptions, records::MessageHeader};
 use std::{collections::BTreeMap, io::Cursor};
 
@@ -29,7 +29,7 @@ impl Take for Times {
 }
 
 /// The streams of files of these bytes.
-fn streams(files: &[Vec<u8>], how: Walk<'_>) -> Streams<Times> {
+fn streams(files: &[Vec<u8>], how: Walk) -> Streams<Times> {
     let folder = tempfile::tempdir().unwrap();
     let paths: Vec<_> = (files.iter().enumerate())
         .map(|(i, bytes)| {
@@ -207,36 +207,4 @@ fn messages_of_a_channel_that_nothing_declares_are_counted() {
     let found = streams(&[unknown], RECOVER);
     assert_eq!((found.streams.len(), found.undeclared), (1, ALL / 2));
     assert_eq!(times(&found, 0), of_channel(1, |_| true));
-}
-
-#[test]
-fn columns_of_a_damaged_recording_lack_the_rows_of_the_lost_chunk_alone() {
-    let log = packed(None);
-    let (start, _) = chunks(&log)[2];
-    let damaged = flipped(&log, start + 9 + 24, 1);
-    let names = ["/a.i", "/b.v[]"];
-    let whole = columns_from(&log[..], &["/a.i", "/b.v[0]"], Walk::default()).unwrap();
-    assert_eq!(whole.columns[0].time_ns, of_channel(1, |_| true));
-    let read = columns_from(&damaged[..], &["/a.i", "/b.v[0]"], RECOVER).unwrap();
-    for (column, channel) in read.columns.iter().zip([1, 2]) {
-        let there = |i: usize| i / EACH != 2;
-        assert_eq!(column.time_ns, of_channel(channel, there));
-        let value = |i: usize| {
-            if channel == 1 {
-                i as f64
-            } else {
-                (i * i) as f64
-            }
-        };
-        let values: Vec<Option<f64>> = (0..ALL)
-            .filter(|&i| message(i).0 == channel && there(i))
-            .map(|i| Some(value(i)))
-            .collect();
-        assert_eq!(column.values, values);
-    }
-    assert_eq!((read.damage.len(), read.bad_messages), (1, 0));
-    // Every third element is a text, and no number: a row of numbers lacks one, so the message is bad.
-    let each = columns_from(&damaged[..], &names, RECOVER).unwrap();
-    assert_eq!(each.columns[0].values.len(), 15);
-    assert_eq!((each.columns[1].values.len(), each.bad_messages), (0, 15));
 }

@@ -73,23 +73,4 @@ impl TableMapping {
     pub const CAR_LENGTH_M: f64 = 4.7;
     /// Number of the first lane where a file does not say it.
     pub const FIRST_LANE: i64 = 1;
-
-    /// A table of this layout in these units; everything else is as where a file does not say it. What the layout needs beside is
-    /// asked for when a log is read.
-    pub fn new(layout: Layout, units: Units) -> Self {
-        Self {
-            separator: None,
-            header: yes(),
-            decimal_comma: false,
-            gap_kind: None,
-            lanes_from: None,
-            first_lane: one(),
-            time_pattern: None,
-            frames_per_s: None,
-            ego_length_m: car_length(),
-            lead_length_m: car_length(),
-            units,
-            layout,
-        }
-    }
 }

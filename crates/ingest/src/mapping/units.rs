@@ -20,18 +20,6 @@ pub struct Units {
     pub angle: AngleUnit,
 }
 
-impl Units {
-    /// These units; headings in the angle's default.
-    pub fn new(time: TimeUnit, length: LengthUnit, speed: SpeedUnit) -> Self {
-        Self {
-            time,
-            length,
-            speed,
-            angle: AngleUnit::default(),
-        }
-    }
-}
-
 /// How a table writes its times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TimeUnit {

@@ -124,7 +124,6 @@ fn collect_from(
     let how = Walk {
         recover,
         hash: true,
-        cancel: None,
     };
     let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
     let streams = read_streams(parts, how, |channel, schema| Samples {
