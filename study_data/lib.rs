@@ -102,7 +102,6 @@ files! {
     PIPELINES_SCHEMA = "pipelines/schema.json";
     PIPELINES_SMOKE = "pipelines/smoke.toml";
     PIPELINES_UAH = "pipelines/uah.toml";
-    PIPELINES_UAH_RULES = "pipelines/uah_rules.toml";
     PIPELINES_VALIDATE = "pipelines/validate.toml";
     PIPELINES_VALIDATE_NETWORKS = "pipelines/validate_networks.toml";
 }

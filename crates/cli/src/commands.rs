@@ -208,7 +208,6 @@ impl<S: Stage> Runs for Of<S> {
 
     fn run(&mut self) -> Result<(), Failure> {
         self.stage.repeated_by(&this_command());
-        self.stage.run_on(&today(), env!("MAVERIC_VERSION"));
         let mut success = true;
         print_outcome(self.format, S::FAILURE, |watch| {
             let outcome = self.stage.run(watch)?;

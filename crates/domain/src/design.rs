@@ -23,6 +23,7 @@ mod protocol_check;
 mod ridden;
 mod tested;
 mod toml_file;
+mod validate;
 mod which;
 mod williams;
 
@@ -43,6 +44,7 @@ pub use protocol::{
     Crash, Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World,
 };
 pub use protocol_check::{DRIVES_S, is_day};
+pub use validate::{Asks, ValidateTable, ValidateTables};
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};
 
@@ -97,6 +99,7 @@ pub struct Design {
     level_contrasts: Vec<LevelContrast>,
     covariates: Vec<Covariate>,
     homophily: Option<Homophily>,
+    validate: ValidateTables,
     protocol: Protocol,
     exclude: Exclude,
     amendments: BTreeMap<String, String>,
@@ -351,6 +354,11 @@ impl Design {
     /// Which traits are set against which ratings.
     pub fn homophily(&self) -> Option<&Homophily> {
         self.homophily.as_ref()
+    }
+
+    /// The tables about people who are left out in turn.
+    pub fn validate(&self) -> &ValidateTables {
+        &self.validate
     }
 
     /// What a person meets in the seat.

@@ -42,9 +42,6 @@ pub trait Stage: clap::Args {
     /// Takes the command that its page says to repeat, where none was given.
     fn repeated_by(&mut self, _command: &str) {}
 
-    /// Takes the day and the program that run it, where none were given.
-    fn run_on(&mut self, _date: &str, _program: &str) {}
-
     /// Whether the program may end well with this result.
     fn is_success(&self, _result: &Self::Result) -> bool {
         true

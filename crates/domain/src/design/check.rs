@@ -16,6 +16,7 @@ use super::{
         CarToml, CellToml, ConditionToml, DesignToml, ModelToml, PeopleToml, RoleToml, StyleToml,
         Units,
     },
+    validate::validate,
     which::which,
 };
 use crate::{design::Design, survey::ScoreRange, units::SpeedUnit};
@@ -58,6 +59,9 @@ fn design(raw: DesignToml) -> Checked<Design> {
         by: b.by,
     });
     let roles = roles(raw.role, baseline.as_ref(), style.as_ref())?;
+    let driven = roles.iter().map(|r| r.id);
+    let driven: Vec<_> = driven.chain(baseline.iter().map(|b| b.id)).collect();
+    validate(&raw.validate, &driven)?;
     let measures = own_measures(raw.measure)?;
     let compare = compare(raw.contrasts.compare, &conditions)?;
     let pairs = compare.pairs(&conditions);
@@ -120,6 +124,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
         level_contrasts,
         covariates: raw.covariate,
         homophily: raw.homophily,
+        validate: raw.validate,
         protocol: raw.protocol,
         exclude: raw.exclude,
         amendments: raw.amendments,

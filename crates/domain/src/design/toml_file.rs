@@ -8,6 +8,7 @@ use super::{
     outcome::{DeclaredTest, Homophily, ScoreName},
     people::Covariate,
     protocol::Protocol,
+    validate::ValidateTables,
 };
 use crate::condition::ConditionId;
 use serde::Deserialize;
@@ -42,6 +43,8 @@ pub(super) struct DesignToml {
     #[serde(default)]
     pub(super) covariate: Vec<Covariate>,
     pub(super) homophily: Option<Homophily>,
+    #[serde(default)]
+    pub(super) validate: ValidateTables,
     #[serde(default)]
     pub(super) protocol: Protocol,
     #[serde(default)]

@@ -329,3 +329,62 @@ fn labels_are_given_once_factors_have_levels_and_a_car_is_of_one_kind() {
         assert!(refused.contains(expected), "{refused}");
     }
 }
+
+#[test]
+fn tables_of_people_left_out_name_the_key_that_they_lack() {
+    let with = |tables: &str| {
+        read(&format!(
+            "[study]\ntitle = \"x\"\n[style]\nscore = \"adb.total\"\nrange = [11, 55]\n\
+             [[role]]\nid = \"calm\"\nscore = 20\n[[role]]\nid = \"sporty\"\nscore = 45\n{tables}"
+        ))
+    };
+    let table = |keys: &str| with(&format!("[[validate.table]]\nid = \"a\"\n{keys}"));
+    let pair = "higher = \"sporty\"\nlower = [\"calm\"]\n";
+    let read = table(&format!("asks = \"order\"\n{pair}")).unwrap();
+    let [order] = read.validate().tables.as_slice() else {
+        panic!("{:?}", read.validate());
+    };
+    assert!(order.learn.is_empty() && !order.seen && order.lower.len() == 1);
+    for (keys, said) in [
+        ("asks = \"guess\"\n", "unknown variant `guess`"),
+        (
+            "asks = \"retest\"\nrole = \"calm\"\nstatistic = \"t\"\n",
+            "unknown field `statistic`",
+        ),
+        ("asks = \"order\"\n", "`validate.table.a.higher`"),
+        (
+            "asks = \"order\"\nhigher = \"sporty\"\n",
+            "`validate.table.a.lower`",
+        ),
+        (
+            &format!("asks = \"direction\"\n{pair}directions = 9\n"),
+            "`validate.table.a.points`",
+        ),
+        (
+            &format!("asks = \"direction\"\n{pair}points = 0\ndirections = 9\n"),
+            "other than 0",
+        ),
+        (
+            &format!("asks = \"direction\"\n{pair}points = 15\ndirections = 0\n"),
+            "at least 1",
+        ),
+        (
+            "asks = \"identity\"\namong = \"calm\"\n",
+            "`validate.table.a.sought`",
+        ),
+        ("asks = \"errors\"\n", "`validate.table.a.role`"),
+        (
+            "asks = \"retest\"\nrole = \"clam\"\n",
+            "`validate.table.a.role`: found `clam`, expected one of `calm`, `sporty`; did you mean `calm`?",
+        ),
+        (
+            &format!(
+                "asks = \"order\"\n{pair}[[validate.table]]\nid = \"a\"\nasks = \"order\"\n{pair}"
+            ),
+            "an id that no other table has",
+        ),
+    ] {
+        let error = table(keys).unwrap_err();
+        assert!(error.contains(said), "{keys}: {error}");
+    }
+}

@@ -264,6 +264,11 @@ fn the_schema_for_editors_has_the_keys_of_the_reader() {
         ("[[factor]]\nzzz = 1", "/factor/items"),
         ("[[covariate]]\nzzz = 1", "/covariate/items"),
         ("[homophily]\nzzz = 1", "/homophily"),
+        ("[validate]\nzzz = 1", "/validate"),
+        (
+            "[[validate.table]]\nzzz = 1",
+            "/validate/properties/table/items",
+        ),
         ("[exclude]\nzzz = 1", "/exclude"),
         ("[protocol]\nzzz = 1", "/protocol"),
         ("[protocol.view]\nzzz = 1", "/protocol/properties/view"),

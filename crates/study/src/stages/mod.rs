@@ -51,7 +51,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("evaluate", 11),
         ("stats", 19),
         ("ablate", 11),
-        ("validate", 15),
+        ("validate", 16),
         ("recommend", 6),
         ("rehearse", 12),
         ("rehearse-dial", 7),

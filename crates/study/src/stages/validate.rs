@@ -54,16 +54,10 @@ pub struct Validate {
     /// Design of the study whose roles were driven (TOML); study.toml of the current directory when not given
     #[arg(long, value_name = "FILE", requires = "leave_out")]
     pub design: Option<PathBuf>,
-    /// Which tables are computed (TOML), written down before; those that follow from the design's roles when not given
-    #[arg(long, value_name = "FILE", requires = "leave_out")]
-    pub rules: Option<PathBuf>,
-    /// Which part of the rules' tables is opened; `test` opens both
-    #[arg(long, default_value = "development", requires = "leave_out")]
-    pub part: leave_out::Part,
     /// Which heads learn where people are left out: linear, or paper, which needs a training for each exchange of roles
     #[arg(long, default_value_t = TrainSettings::default().heads, value_name = "linear|paper")]
     pub heads: HeadsKind,
-    /// How often roles are exchanged within people; the rules' number, else 1000, and none for the paper's networks, when not given
+    /// How often roles are exchanged within people; the design's number, else 1000, and none for the paper's networks, when not given
     #[arg(long, requires = "leave_out")]
     pub permutations: Option<usize>,
     /// Folder to write into: validation.md, validation.json, one CSV a table
@@ -90,12 +84,6 @@ pub struct Validate {
     /// The command that makes the same again, for the page; this one when not given
     #[arg(long, value_name = "TEXT")]
     pub command: Option<String>,
-    /// The day on which this runs, for the list of looks; today when not given
-    #[arg(long, hide = true)]
-    pub date: Option<String>,
-    /// The program that runs, for the list of looks; this one when not given
-    #[arg(long, hide = true)]
-    pub program: Option<String>,
 }
 
 /// Who is left out in turn.
@@ -145,7 +133,6 @@ impl Stage for Validate {
                 .reads_if_there([self.run.join("scores.csv")])
                 .reads_people(root, design, None)
                 .reads_style(DesignFile::below(root, design).as_ref())
-                .reads(&self.rules)
                 .reads(&self.models)
                 .reads(&self.scenario)
                 .writes_into(&self.out, &["validation.md", "validation.json"]));
@@ -160,11 +147,6 @@ impl Stage for Validate {
 
     fn repeated_by(&mut self, command: &str) {
         self.command.get_or_insert_with(|| command.to_owned());
-    }
-
-    fn run_on(&mut self, date: &str, program: &str) {
-        self.date.get_or_insert_with(|| date.to_owned());
-        self.program.get_or_insert_with(|| program.to_owned());
     }
 
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<Checked>, StudyError> {

@@ -29,7 +29,6 @@ pub enum TableName {
     Items,
     LearningCurve,
     LeftOut,
-    Looks,
     Measurements,
     Measures,
     Missing,
@@ -216,7 +215,6 @@ mod tests {
         );
         assert_eq!(name("drives/a/b/S1P01-own.parquet"), Some(TableName::Drive));
         assert_eq!(name("measurements.parquet"), Some(TableName::Measurements));
-        assert_eq!(name("lab_looks.csv"), Some(TableName::Looks));
         assert!(name("other.csv").is_none() && name("my_scores.csv").is_none());
         assert!(entry_at("av/logs/P1.mcap").is_some() && entry_at("P1.mcap").is_none());
     }

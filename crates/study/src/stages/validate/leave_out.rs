@@ -1,19 +1,16 @@
 //! `validate --leave-out people`: a study's own recordings, learned in turn from everybody but one.
 
 mod answer;
-mod commit;
 mod direction;
 mod elsewhere;
 mod folds;
-mod looks;
+mod of_roles;
 mod page;
-mod rules;
 mod tables;
 #[cfg(test)]
 mod tests;
 
 pub use answer::Answer;
-pub use rules::{Asks, Part, Rules, Table};
 
 use super::{Validate, write};
 use crate::{
@@ -25,16 +22,22 @@ use crate::{
 };
 use answer::findings_of;
 use folds::{Fold, Learning, styles};
-use looks::Look;
 use maveric_analysis::Finding;
-use maveric_domain::{ConditionId, DrivenBy};
+use maveric_domain::{
+    ConditionId, DrivenBy,
+    design::{Asks, ValidateTable},
+};
 use maveric_measures::objective;
 use maveric_model::{HeadsKind, TrainSettings};
 use maveric_rehearsal::leave_out::{
     Asked, Drove, Order, Repeated, errors_that_hold, order, people, retest, whose,
 };
+use of_roles::tables_of_roles;
 use path_slash::PathExt as _;
 use serde::Serialize;
+
+/// How often roles are exchanged where nothing says otherwise.
+const PERMUTATIONS: usize = 1000;
 
 /// What was found of people who were left out in turn.
 #[derive(Debug, Clone, Serialize)]
@@ -43,31 +46,23 @@ pub struct InTurn {
     pub synthetic: bool,
     /// Which heads were learned.
     pub heads: HeadsKind,
-    /// What was computed.
-    pub rules: Rules,
-    /// Hash of the file of rules; none where they follow from the roles.
-    pub rules_hash: Option<String>,
-    /// Which part was opened.
-    pub part: Part,
     /// People with a drive in a role.
     pub people: usize,
     /// Drives that were read, in any role.
     pub drives: usize,
-    /// The tables, in the order of the rules.
+    /// The tables, in the order of the page.
     pub tables: Vec<Answered>,
-    /// Who looked at what before, and now.
-    pub looks: Vec<Look>,
-    /// What became of the questions, over all tables that were opened and had not been seen before.
+    /// What became of the questions, over all tables that had not been seen before.
     pub findings: Vec<Finding>,
 }
 
 impl InTurn {
     /// How many people a table is about.
-    fn people_of(&self, rule: &Table) -> usize {
-        if rule.people.is_empty() {
+    fn people_of(&self, table: &ValidateTable) -> usize {
+        if table.people.is_empty() {
             self.people
         } else {
-            rule.people.len()
+            table.people.len()
         }
     }
 }
@@ -75,14 +70,12 @@ impl InTurn {
 /// A table with its answer.
 #[derive(Debug, Clone, Serialize)]
 pub struct Answered {
-    /// The id that the rules give the table.
-    pub id: String,
-    /// What was found; none where it was not opened.
+    /// What was asked.
+    pub asked: ValidateTable,
+    /// What was found; none where it cannot be answered.
     pub answer: Option<Answer>,
     /// Why there is none.
     pub unanswered: Option<String>,
-    /// The first look at its recordings, where the rules were others then: the table was changed after it.
-    pub changed_since: Option<Look>,
 }
 
 /// Leaves people out in turn; writes `validation.json`, `validation.md` and a page with the tables.
@@ -95,50 +88,43 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         scores.is_file().then_some(&*scores),
     );
     let recordings = recordings::read(&study, files, &mut warnings)?;
-    let (rules, rules_hash) = if let Some(path) = &options.rules {
-        let (rules, hash) = Rules::read(path)?;
-        (rules, Some(hash))
-    } else {
-        let title = study.design.title();
-        (
-            Rules::of_roles(title, &recordings.drove(), &recordings.labels())?,
-            None,
-        )
-    };
-    let looks = match options.rules.as_ref().zip(rules_hash.as_ref()) {
-        Some((path, hash)) => looks::look(path, hash, &rules, options, &recordings, &mut warnings)?,
-        None => Vec::new(),
-    };
+    let declared = study.design.validate();
+    let mut asked = declared.tables.clone();
+    if asked.is_empty() {
+        asked = tables_of_roles(&recordings.drove())?;
+    }
+    for table in asked.iter_mut().filter(|t| t.learn.is_empty()) {
+        table.learn = recordings.labels();
+    }
     let settings = TrainSettings {
         heads: options.heads,
         ..TrainSettings::default()
     };
     let mut tables = Vec::new();
-    for table in &rules.tables {
+    for table in asked {
         watch.check()?;
         let bench = Bench {
             options,
-            rules: &rules,
-            table,
+            permutations: declared.permutations.unwrap_or(PERMUTATIONS),
+            table: &table,
             recordings: &recordings,
             settings: &settings,
         };
-        let mut answered = bench.answered(watch)?;
-        answered.changed_since =
-            looks::changed_since(&looks, rules_hash.as_deref(), table, &recordings);
-        warnings.extend(
-            answered
-                .unanswered
-                .iter()
-                .map(|why| format!("{}: {why}", table.id)),
-        );
-        warnings.extend(answered.answer.iter().flat_map(|a| a.warnings(&table.id)));
-        tables.push(answered);
+        let (answer, unanswered) = match bench.answer(watch)? {
+            Ok(answer) => (Some(answer), None),
+            Err(why) => (None, Some(why)),
+        };
+        warnings.extend(unanswered.iter().map(|why| format!("{}: {why}", table.id)));
+        warnings.extend(answer.iter().flat_map(|a| a.warnings(&table.id)));
+        tables.push(Answered {
+            asked: table,
+            answer,
+            unanswered,
+        });
     }
     warnings.dedup();
-    let with_rule = tables.iter().zip(&rules.tables);
-    let judged = with_rule.filter(|(_, rule)| !rule.seen);
-    let judged: Vec<&Answer> = judged.filter_map(|(t, _)| t.answer.as_ref()).collect();
+    let judged = tables.iter().filter(|t| !t.asked.seen);
+    let judged: Vec<&Answer> = judged.filter_map(|t| t.answer.as_ref()).collect();
     let value = InTurn {
         findings: findings_of(&judged),
         synthetic: recordings
@@ -146,18 +132,14 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
             .iter()
             .any(|r| r.drive.meta().driven_by == DrivenBy::Synthetic),
         heads: options.heads,
-        rules_hash,
-        part: options.part,
         people: people(&recordings.drove()).len(),
         drives: recordings.rows.len(),
         tables,
-        looks,
-        rules,
     };
     let printed = tables::tables(&value, &study.design)?;
     let tables = printed.iter().flat_map(|(_, tables)| tables);
     let mut summary = write(&options.out, tables, &value)?;
-    let page = page::page(&value, options, &study.design, printed, &warnings)?;
+    let page = page::page(&value, options, &study, printed, &warnings)?;
     let page = write_page(&options.out, &page)?;
     summary.push(format!(
         "{} people, {} drives, each person left out in turn: {}",
@@ -171,33 +153,18 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
 /// One table and what it is answered with.
 struct Bench<'a> {
     options: &'a Validate,
-    rules: &'a Rules,
-    table: &'a Table,
+    /// How often roles are exchanged where the command does not say.
+    permutations: usize,
+    table: &'a ValidateTable,
     recordings: &'a Recordings,
     settings: &'a TrainSettings,
 }
 
 impl Bench<'_> {
-    fn answered(&self, watch: Watch<'_>) -> Result<Answered, StudyError> {
-        let (answer, unanswered) = match self.answer(watch)? {
-            Ok(answer) => (Some(answer), None),
-            Err(why) => (None, Some(why)),
-        };
-        Ok(Answered {
-            id: self.table.id.clone(),
-            answer,
-            unanswered,
-            changed_since: None,
-        })
-    }
-
     /// The answer, or why there is none.
     fn answer(&self, watch: Watch<'_>) -> Result<Result<Answer, String>, StudyError> {
         let table = self.table;
-        if table.part == Part::Test && self.options.part != Part::Test {
-            return Ok(Err("the test part is not opened".to_owned()));
-        }
-        let rows = table.reads(self.recordings);
+        let rows = reads(table, self.recordings);
         let mut drove: Vec<Drove> = rows.iter().map(|r| r.drove.clone()).collect();
         for (row, drove) in rows.iter().zip(&mut drove) {
             let label = row.drive.meta().condition;
@@ -288,7 +255,7 @@ impl Bench<'_> {
         let wanted = self.options.permutations;
         // Networks see the score: each exchange of roles learns all of them again, which has to be asked for.
         let permutations = wanted.unwrap_or(match self.settings.heads {
-            HeadsKind::Linear => self.rules.permutations,
+            HeadsKind::Linear => self.permutations,
             HeadsKind::Paper => 0,
         });
         let mut done = 0;
@@ -307,7 +274,17 @@ impl Bench<'_> {
     }
 }
 
-/// A role that the rules were checked to name.
+/// The recordings that a table reads.
+fn reads<'a>(table: &ValidateTable, recordings: &'a Recordings) -> Vec<&'a Recorded> {
+    let is_of = |r: &&Recorded| {
+        let meta = r.drive.meta();
+        let of_people = table.people.is_empty() || table.people.contains(&meta.participant);
+        of_people && table.roles().any(|role| role == meta.condition)
+    };
+    recordings.rows.iter().filter(is_of).collect()
+}
+
+/// A role that the design was checked to name.
 fn role_of(role: Option<ConditionId>) -> Result<ConditionId, StudyError> {
     role.ok_or_else(|| StudyError::not_possible("a table without the role that it asks about"))
 }

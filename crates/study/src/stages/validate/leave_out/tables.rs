@@ -1,8 +1,8 @@
 //! What was found of people who were left out in turn, as tables.
 
-use super::{Answer, Answered, InTurn, rules};
+use super::{Answer, Answered, InTurn};
 use crate::error::StudyError;
-use maveric_domain::{ConditionId, Design};
+use maveric_domain::{ConditionId, Design, design::ValidateTable};
 use maveric_pages::cards::in_turn::text;
 use maveric_rehearsal::leave_out::{
     AXES, By, Change, Direction, ErrorShare, Mean, Order, PersonDirection, Retest, Shipped,
@@ -11,19 +11,20 @@ use maveric_rehearsal::leave_out::{
 use maveric_report::tables::{Cell, Table};
 use minijinja::{Value, context};
 
-/// The tables of each table of rules, with that one's id.
+/// The tables of each question, with its id.
 pub(super) fn tables(
     validation: &InTurn,
     design: &Design,
 ) -> Result<Vec<(String, Vec<Table>)>, StudyError> {
-    let section = |(answered, rule): (&Answered, &rules::Table)| {
+    let section = |answered: &Answered| {
+        let rule = &answered.asked;
         let words = Words {
-            id: &answered.id,
+            id: &rule.id,
             people: validation.people_of(rule),
             seen: rule.seen,
             design,
         };
-        let mut tables = match &answered.answer {
+        let tables = match &answered.answer {
             None => Vec::new(),
             Some(Answer::Order(order)) => words.order(order)?,
             Some(Answer::Identity(rows)) => words.identity(rows)?,
@@ -32,26 +33,15 @@ pub(super) fn tables(
             Some(Answer::Direction { found, .. }) => words.direction(found, rule)?,
             Some(Answer::Shipped(shipped)) => words.shipped(shipped, rule)?,
         };
-        if let Some(first) = &answered.changed_since {
-            for table in &mut tables {
-                let values = context! { date => first.date.clone(), title => table.title.clone() };
-                table.title = text("page", "changed", &values)?;
-            }
-        }
-        Ok((answered.id.clone(), tables))
+        Ok((rule.id.clone(), tables))
     };
-    validation
-        .tables
-        .iter()
-        .zip(&validation.rules.tables)
-        .map(section)
-        .collect()
+    validation.tables.iter().map(section).collect()
 }
 
-/// What the tables of one rule say of themselves.
+/// What the tables of one question say of themselves.
 struct Words<'a> {
     id: &'a str,
-    /// People whom the rule reads.
+    /// People whose drives are read.
     people: usize,
     seen: bool,
     design: &'a Design,
@@ -206,7 +196,7 @@ impl Words<'_> {
         Ok(vec![table])
     }
 
-    fn errors(&self, share: &ErrorShare, rule: &rules::Table) -> Result<Vec<Table>, StudyError> {
+    fn errors(&self, share: &ErrorShare, rule: &ValidateTable) -> Result<Vec<Table>, StudyError> {
         let values = context! {
             role => rule.role.map(|role| self.design.label(role)),
             pairs => share.pairs,
@@ -228,7 +218,7 @@ impl Words<'_> {
     }
 
     /// What a table of two roles says of them.
-    fn of_pair(&self, rule: &rules::Table) -> Value {
+    fn of_pair(&self, rule: &ValidateTable) -> Value {
         context! {
             higher => rule.higher.map(|role| self.design.label(role)),
             lower => rule.lower.first().map(|role| self.design.label(*role)),
@@ -240,7 +230,7 @@ impl Words<'_> {
     fn direction(
         &self,
         direction: &Direction,
-        rule: &rules::Table,
+        rule: &ValidateTable,
     ) -> Result<Vec<Table>, StudyError> {
         let values = context! {
             n => direction.n,
@@ -288,7 +278,7 @@ impl Words<'_> {
         ])
     }
 
-    fn shipped(&self, shipped: &Shipped, rule: &rules::Table) -> Result<Vec<Table>, StudyError> {
+    fn shipped(&self, shipped: &Shipped, rule: &ValidateTable) -> Result<Vec<Table>, StudyError> {
         let values = context! {
             n => shipped.n,
             unknown => shipped.unknown,
@@ -331,10 +321,9 @@ impl Words<'_> {
 }
 
 /// What a section says before its tables.
-pub(super) fn intro(answered: &Answered, rule: &rules::Table) -> Result<Vec<String>, StudyError> {
+pub(super) fn intro(answered: &Answered) -> Result<Vec<String>, StudyError> {
     let values: Value = context! {
-        statistic => rule.statistic.clone(),
-        seen => rule.seen,
+        seen => answered.asked.seen,
         unanswered => answered.unanswered.clone(),
     };
     let intro = text("page", "intro", &values)?;

@@ -13,8 +13,6 @@ fn options(folder: &Path) -> Validate {
         models: Vec::new(),
         leave_out: Some(LeaveOut::People),
         design: Some(folder.join("study.toml")),
-        rules: None,
-        part: Part::Development,
         heads: HeadsKind::Linear,
         permutations: Some(20),
         out: folder.join("out"),
@@ -25,8 +23,6 @@ fn options(folder: &Path) -> Validate {
         seed: 1,
         jobs: 2,
         command: None,
-        date: Some("2026-01-02".to_owned()),
-        program: Some("1.0".to_owned()),
     }
 }
 
@@ -68,7 +64,7 @@ fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whate
     let folder = study(drives());
     let mut options = options(folder.path());
     let found = run(&options).unwrap().value;
-    let ids: Vec<&str> = found.tables.iter().map(|t| t.id.as_str()).collect();
+    let ids: Vec<&str> = found.tables.iter().map(|t| t.asked.id.as_str()).collect();
     assert_eq!(
         ids,
         ["order", "identity-calm", "retest-calm", "errors-calm"]
@@ -163,115 +159,41 @@ fn too_few_people_and_roles_that_nobody_drove_are_said_and_their_tables_stay_emp
     );
 }
 
-#[test]
-fn rules_open_the_test_part_only_when_asked_and_each_look_is_noted_once() {
-    let folder = study(drives());
-    let mut options = options(folder.path());
-    let rules = folder.path().join("lab_rules.toml");
-    let table = |id: &str, part: &str, higher: &str| {
-        format!(
-            "[[table]]\nid = \"{id}\"\nasks = \"order\"\npart = \"{part}\"\nseen = {}\nlearn = [\"calm\", \"sporty\"]\nhigher = \"{higher}\"\nlower = [\"calm\"]\n",
-            part == "development"
-        )
-    };
-    let text = format!(
-        "title = \"Lab\"\npermutations = 10\n{}{}{}",
-        table("seen", "development", "sporty"),
-        table("unseen", "test", "sporty"),
-        table("nobody", "test", "asleep")
-    );
-    std::fs::write(&rules, &text).unwrap();
-    options.rules = Some(rules.clone());
-    options.permutations = None;
-    let first = run(&options).unwrap().value;
-    let unanswered = |found: &InTurn| -> Vec<String> {
-        let why = found.tables.iter().filter_map(|t| t.unanswered.clone());
-        why.collect()
-    };
-    assert_eq!(unanswered(&first), ["the test part is not opened"; 2]);
-    assert!(
-        first.findings.is_empty(),
-        "no verdict rests on what was seen"
-    );
-    assert!(first.tables.iter().all(|t| t.changed_since.is_none()));
-    run(&options).unwrap();
-    options.part = Part::Test;
-    let looks_file = folder.path().join("lab_looks.csv");
-    let looks = || std::fs::read_to_string(&looks_file).unwrap();
-    let git = commit::Stands::ask_git(&rules, "git") != commit::Stands::NoGit;
-    if git {
-        // Rules that stand in no commit open nothing, and no look is noted.
-        let error = run(&options).unwrap_err();
-        assert!(error.to_string().contains("lab_rules.toml"), "{error}");
-        assert!(error.suggestion().unwrap().contains("git commit"));
-        assert_eq!(looks().lines().count(), 2);
-        assert!(commit::tests::commit(folder.path()));
-    }
-    let opened = run(&options).unwrap().value;
-    assert_eq!(unanswered(&opened), ["nobody drove in the role `asleep`"]);
-    assert_eq!(opened.findings.len(), 2);
-    assert_eq!(looks().lines().count(), 3, "{}", looks());
-    assert!(looks().contains("2026-01-02") && looks().contains("P0 P1 P2 P3 P4 P5"));
-    assert_eq!(opened.looks.len(), 2);
-    assert_eq!(opened.looks[0].commit, "unknown");
-    assert_eq!(opened.looks[1].commit == "unknown", !git);
-
-    // Other rules after the first look: every table that was opened before says so, with the day.
-    std::fs::write(
-        &rules,
-        text.replace("permutations = 10", "permutations = 11"),
-    )
-    .unwrap();
-    if git {
-        let error = run(&options).unwrap_err().to_string();
-        assert!(error.contains("it was changed since commit"), "{error}");
-        assert!(commit::tests::commit(folder.path()));
-    }
-    options.date = Some("2026-01-03".to_owned());
-    let again = run(&options).unwrap().value;
-    let days = |found: &InTurn| -> Vec<Option<String>> {
-        let day = |t: &Answered| t.changed_since.as_ref().map(|look| look.date.clone());
-        found.tables.iter().map(day).collect()
-    };
-    let first_day = || Some("2026-01-02".to_owned());
-    assert_eq!(days(&opened), [None, None, None]);
-    assert_eq!(days(&again), [first_day(), first_day(), first_day()]);
-    let page = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
-    assert_eq!(
-        page.matches("Changed after the first look (2026-01-02): Order")
-            .count(),
-        2,
-        "{page}"
-    );
+/// Declares what the tables of a study's design are.
+fn declare(folder: &Path, tables: &str) {
+    let path = folder.join("study.toml");
+    let text = std::fs::read_to_string(&path).unwrap() + tables;
+    std::fs::write(path, text).unwrap();
 }
 
 #[test]
-fn a_list_of_looks_from_before_commits_were_noted_goes_on() {
+fn no_verdict_rests_on_a_table_that_was_seen() {
     let folder = study(drives());
     let mut options = options(folder.path());
-    let rules = folder.path().join("lab_rules.toml");
-    let text = "title = \"Lab\"\n[[table]]\nid = \"errors\"\nasks = \"errors\"\nrole = \"calm\"\nlearn = [\"calm\", \"sporty\", \"calm-again\"]\n";
-    std::fs::write(&rules, text).unwrap();
-    options.rules = Some(rules);
-    let before = "date,program,rules,part,people,roles\n2025-12-31,0.1.0,abc,development,P9,calm\n";
-    let path = folder.path().join("lab_looks.csv");
-    std::fs::write(&path, before).unwrap();
-    let found = run(&options).unwrap().value;
-    let known: Vec<(&str, &str)> = found
-        .looks
-        .iter()
-        .map(|l| (l.date.as_str(), l.commit.as_str()))
-        .collect();
-    assert_eq!(known[0], ("2025-12-31", "unknown"));
-    assert_eq!(known.len(), 2);
-    // P9 is nobody whose drives are read here, so nothing was changed after a look at them.
-    assert_eq!(found.tables[0].changed_since, None);
-    let read = std::fs::read_to_string(path).unwrap();
-    assert!(
-        read.starts_with(
-            "date,program,commit,rules,part,people,roles\n2025-12-31,0.1.0,unknown,abc"
+    options.permutations = None;
+    let table = |id: &str, seen: bool, higher: &str| {
+        format!(
+            "[[validate.table]]\nid = \"{id}\"\nasks = \"order\"\nseen = {seen}\nhigher = \"{higher}\"\nlower = [\"calm\"]\n"
         )
-    );
+    };
+    let tables = [
+        "[validate]\nsource = \"a laboratory\"\norder_of_drives = \"calm first\"\npermutations = 10\n",
+        &table("seen", true, "sporty"),
+        &table("nobody", false, "asleep"),
+    ];
+    declare(folder.path(), &tables.concat());
+    let seen = run(&options).unwrap().value;
+    assert!(seen.findings.is_empty(), "{:?}", seen.findings);
+    let Some(Answer::Order(order)) = &seen.tables[0].answer else {
+        panic!("{:?}", seen.tables[0]);
+    };
+    assert_eq!(order.permutations, 10);
+    let why = seen.tables[1].unanswered.as_deref();
+    assert_eq!(why, Some("nobody drove in the role `asleep`"));
+    let page = std::fs::read_to_string(options.out.join("index.html")).unwrap();
+    assert!(page.contains("a laboratory") && page.contains("calm first"));
+    declare(folder.path(), &table("unseen", false, "sporty"));
+    assert_eq!(run(&options).unwrap().value.findings.len(), 2);
 }
 
 #[test]
@@ -279,13 +201,11 @@ fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what
     let folder = study(drives());
     let mut options = options(folder.path());
     let model = elsewhere(folder.path(), |_| {});
-    let rules = folder.path().join("rules.toml");
     let roles = "learn = [\"calm\", \"sporty\"]\nhigher = \"sporty\"\nlower = [\"calm\"]\n";
     let text = format!(
-        "title = \"Lab\"\n[[table]]\nid = \"way\"\nasks = \"direction\"\njudged = [\"P0\", \"P1\"]\npoints = 15\ndirections = 50\n{roles}[[table]]\nid = \"said\"\nasks = \"shipped\"\n{roles}"
+        "[[validate.table]]\nid = \"way\"\nasks = \"direction\"\njudged = [\"P0\", \"P1\"]\npoints = 15\ndirections = 50\n{roles}[[validate.table]]\nid = \"said\"\nasks = \"shipped\"\n{roles}"
     );
-    std::fs::write(&rules, text).unwrap();
-    options.rules = Some(rules);
+    declare(folder.path(), &text);
     let without = run(&options).unwrap().value;
     assert!(
         without.tables[1]
@@ -317,12 +237,12 @@ fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what
     assert!(page.contains("Does the dial point where people themselves go"));
 }
 
-/// A file of rules with all six tables.
-fn all_six(folder: &Path) -> std::path::PathBuf {
+/// Declares all six tables.
+fn all_six(folder: &Path) {
     let roles = "learn = [\"calm\", \"sporty\", \"calm-again\"]\n";
     let pair = "higher = \"sporty\"\nlower = [\"calm\"]\n";
     let of = |asks: &str, keys: &str| {
-        format!("[[table]]\nid = \"{asks}\"\nasks = \"{asks}\"\n{roles}{keys}")
+        format!("[[validate.table]]\nid = \"{asks}\"\nasks = \"{asks}\"\n{roles}{keys}")
     };
     let tables = [
         of("order", pair),
@@ -335,10 +255,10 @@ fn all_six(folder: &Path) -> std::path::PathBuf {
         ),
         of("shipped", pair),
     ];
-    let path = folder.join("rules.toml");
-    let text = format!("title = \"Lab\"\npermutations = 5\n{}", tables.concat());
-    std::fs::write(&path, text).unwrap();
-    path
+    declare(
+        folder,
+        &format!("[validate]\npermutations = 5\n{}", tables.concat()),
+    );
 }
 
 #[test]
@@ -355,7 +275,7 @@ fn a_drive_without_lanes_and_one_without_anybody_ahead_are_named_in_every_table_
     }
     let folder = study(&kept);
     let mut options = options(folder.path());
-    options.rules = Some(all_six(folder.path()));
+    all_six(folder.path());
     options.permutations = None;
     options.models = vec![elsewhere(folder.path(), |_| {})];
     let outcome = run(&options).unwrap();
@@ -364,7 +284,7 @@ fn a_drive_without_lanes_and_one_without_anybody_ahead_are_named_in_every_table_
         .tables
         .iter()
         .filter(|t| t.answer.is_none())
-        .map(|t| t.id.as_str())
+        .map(|t| t.asked.id.as_str())
         .collect();
     assert!(unanswered.is_empty(), "{unanswered:?}");
     let named = outcome.warnings.join("\n");
@@ -397,7 +317,7 @@ fn a_drive_without_lanes_and_one_without_anybody_ahead_are_named_in_every_table_
 fn a_model_without_reference_and_one_of_too_few_people_say_that_support_is_not_known_and_why() {
     let folder = study(drives());
     let mut options = options(folder.path());
-    options.rules = Some(all_six(folder.path()));
+    all_six(folder.path());
     options.permutations = None;
     let said = |options: &Validate| {
         let outcome = run(options).unwrap();
