@@ -373,7 +373,6 @@ impl Design {
             rides_per_condition: default.rides_per_condition,
             sessions: default.sessions,
             seed: default.seed,
-            speed: default.speed,
             ..self.protocol.clone()
         };
         of_the_seat != Protocol::default()

@@ -100,7 +100,7 @@ fn design(raw: DesignToml) -> Checked<Design> {
     let speed_unit = match raw.study.units {
         Some(Units::Metric) => SpeedUnit::Kmh,
         Some(Units::Us) => SpeedUnit::Mph,
-        None => raw.protocol.speed.unwrap_or_default(),
+        None => SpeedUnit::default(),
     };
     Ok(Design {
         title: raw.study.title,

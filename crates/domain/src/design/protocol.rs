@@ -1,7 +1,7 @@
 //! What a person meets in the seat: the order of steps, their texts and lengths.
 
 use super::{AnswerRule, Needs};
-use crate::{condition::ConditionId, units::SpeedUnit};
+use crate::condition::ConditionId;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -233,9 +233,6 @@ pub struct Protocol {
     pub crash: Crash,
     /// Shortest rest at the step `break`, in s.
     pub break_s: f64,
-    /// In which unit speeds are shown, where `[study] units` does not say it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub speed: Option<SpeedUnit>,
     /// What is seen of the road.
     pub view: SeatView,
     /// From which answer to the probe on somebody drives and rides no further.
@@ -293,7 +290,6 @@ impl Default for Protocol {
             world: World::ByRide,
             crash: Crash::Ends,
             break_s: 60.0,
-            speed: None,
             view: SeatView::default(),
             stop_if: None,
             aftercare: None,
