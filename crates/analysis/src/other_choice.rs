@@ -54,7 +54,6 @@ pub struct SensitivityRow {
     /// p of that difference, two-sided.
     pub other_p: Option<f64>,
     /// Whether both p are after Holm over the contrasts of the outcome; of its primary contrast they are as they are.
-    #[serde(default)]
     pub holm: bool,
     /// Of a difference, whether it is there with the same sign by the other choice; else whether one is there by that alone.
     pub other_differs: Verdict,

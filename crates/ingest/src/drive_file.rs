@@ -10,10 +10,8 @@ use maveric_domain::{Drive, drive::Rows};
 use polars::prelude::{Column, DataFrame, DataType, PolarsError};
 use std::{collections::BTreeMap, io::Write, path::Path};
 
-/// Version of what is written; 2 carried no checksum.
+/// Version of what is written and read.
 const VERSION: &str = "3";
-/// Versions that are read.
-const READ: [&str; 2] = ["2", VERSION];
 /// What the names of our metadata begin with.
 const PREFIX: &str = "maveric.";
 
@@ -140,11 +138,11 @@ impl DriveFile<'_> {
         let version = version.ok_or_else(|| IngestError::NotADrive {
             path: self.path.to_owned(),
         })?;
-        if !READ.contains(&version) {
-            let read = READ.join(" or ");
-            return Err(self.bad(format!("is a drive of format {version}, expected {read}")));
+        if version != VERSION {
+            let problem = format!("is a drive of format {version}, expected {VERSION}");
+            return Err(self.bad(problem));
         }
-        if version == VERSION && !self.checked {
+        if !self.checked {
             return Err(bad(self.path, "is damaged: its checksum is not there"));
         }
         let rows = Rows {
@@ -243,15 +241,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_drive_of_a_format_that_is_no_longer_read_is_refused_with_what_to_do() {
+    fn a_drive_of_another_format_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("old.parquet");
         let mut frame = DataFrame::new(1, vec![Column::new("time_s".into(), [0.0])]).unwrap();
-        let version = (format!("{PREFIX}version"), "1".to_owned());
+        let version = (format!("{PREFIX}version"), "2".to_owned());
         let bytes = parquet_bytes(&mut frame, vec![version]).unwrap();
         std::fs::write(&path, bytes).unwrap();
         let error = read_drive_from(&path).unwrap_err();
-        let expected = "is a drive of format 1, expected 2 or 3";
+        let expected = "is a drive of format 2, expected 3";
         assert!(error.to_string().ends_with(expected), "{error}");
         assert!(error.suggestion().unwrap().contains("maveric ingest"));
     }

@@ -46,16 +46,6 @@ fn twelve_thousand_samples(bencher: Bencher<'_, '_>, heads: HeadsKind) {
     bencher.bench_local(|| personalizer.fit(&drive, None));
 }
 
-/// The same by a model that does not know whom it learned from, so that nothing is said of support: what that costs.
-#[divan::bench(args = [HeadsKind::Linear, HeadsKind::Paper], sample_count = 20, sample_size = 1)]
-fn twelve_thousand_samples_without_support(bencher: Bencher<'_, '_>, heads: HeadsKind) {
-    let mut parts = serde_json::to_value(model(heads)).expect("a model is JSON");
-    parts.as_object_mut().map(|p| p.remove("population"));
-    let nobody: Model = serde_json::from_value(parts).expect("a model of before there was support");
-    let (drive, personalizer) = (new_drive(), Personalizer::new(&nobody));
-    bencher.bench_local(|| personalizer.fit(&drive, None));
-}
-
 /// The learning curve of the same drive: six fits.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn learning_curve_of_ten_minutes(bencher: Bencher<'_, '_>) {

@@ -34,15 +34,9 @@ pub struct Days {
     covariance: Vec<f64>,
     /// Share of a fit's own error that another drive of the same person has anew. What a style leaves unsaid of somebody's habits is
     /// an error of their style's fit, but where it stays with the person, a second drive has it too.
-    #[serde(default = "whole")]
     error_share: f64,
     /// People it was learned from, each by two drives.
     pub people: usize,
-}
-
-/// In a file of before there was a share.
-fn whole() -> f64 {
-    1.0
 }
 
 /// Two drives of one person, each with what it says of its style.

@@ -76,10 +76,8 @@ pub struct EpochReport {
     /// Their weighted sum.
     pub total: f64,
     /// The losses on people kept back, at its end, L4 left out; only in the run that keeps some back.
-    #[serde(default)]
     pub validation: Option<LossTerms>,
     /// Their weighted sum.
-    #[serde(default)]
     pub validation_total: Option<f64>,
 }
 

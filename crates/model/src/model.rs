@@ -74,12 +74,10 @@ pub(crate) struct ModelParts {
     pub(crate) embedding_size: usize,
     /// The scale of the score that it reads.
     pub(crate) score_range: ScoreRange,
-    /// How those learned from differ; not in files of before there was support.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) population: Option<Population>,
-    /// What was posted where they drove; not in files of before it was kept.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) posted: Option<Posted>,
+    /// How those learned from differ.
+    pub(crate) population: Population,
+    /// What was posted where they drove.
+    pub(crate) posted: Posted,
     pub(crate) training: Vec<TrainingEmbedding>,
     /// How far one person's drives differ, where people learned from drove twice.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -113,10 +111,9 @@ impl TryFrom<ModelParts> for Model {
             }
             Heads::Paper(paper) => paper.check(d)?,
         }
-        let population = parts.population.as_ref();
-        population.map_or(Ok(()), |p| p.check(HEADS.len()))?;
+        parts.population.check(HEADS.len())?;
         parts.days.as_ref().map_or(Ok(()), |days| days.check(d))?;
-        parts.posted.as_ref().map_or(Ok(()), Posted::check)?;
+        parts.posted.check()?;
         let n = parts.training.len().max(1) as f64;
         let points = parts.training.iter().map(TrainingEmbedding::point);
         let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
@@ -146,9 +143,9 @@ impl Model {
         self.parts.days.as_ref()
     }
 
-    /// What was posted where those learned from drove; `None` in a file of before it was kept.
-    pub fn posted(&self) -> Option<&Posted> {
-        self.parts.posted.as_ref()
+    /// What was posted where those learned from drove.
+    pub fn posted(&self) -> &Posted {
+        &self.parts.posted
     }
 
     /// Which heads it has.
@@ -159,34 +156,18 @@ impl Model {
         }
     }
 
-    /// The same model, which knows how the habits of the people learned from differ beside what its networks say.
-    pub(crate) fn with_habits(
-        mut self,
-        habits: Vec<FittedHead>,
-        population: Population,
-        posted: Option<Posted>,
-    ) -> Self {
-        if let Heads::Paper(paper) = &mut self.parts.heads {
-            paper.habits = Some(habits);
-            self.parts.population = Some(population);
-            self.parts.posted = posted;
-        }
-        self
+    /// People learned from.
+    pub fn people(&self) -> usize {
+        self.parts.population.people
     }
 
-    /// People learned from; `None` in a file of before there was support.
-    pub fn people(&self) -> Option<usize> {
-        self.parts.population.as_ref().map(|p| p.people)
-    }
-
-    /// How well the people learned from explain what a drive shows; `None` where it shows nothing, and for a file of before there
-    /// was support.
+    /// How well the people learned from explain what a drive shows; `None` where it shows nothing.
     pub(crate) fn support(&self, events: &[Vec<Event>]) -> Option<Support> {
         let heads = match self.heads() {
             Heads::Linear(linear) => &linear.heads,
-            Heads::Paper(paper) => paper.habits.as_ref()?,
+            Heads::Paper(paper) => &paper.habits,
         };
-        self.parts.population.as_ref()?.support(heads, events)
+        self.parts.population.support(heads, events)
     }
 
     /// The linear heads.
@@ -307,7 +288,7 @@ impl Model {
 pub struct Habits {
     /// In the order of [`crate::HEADS`].
     own: Vec<Option<OwnHead>>,
-    posted: Option<Posted>,
+    posted: Posted,
 }
 
 impl Habits {
@@ -322,7 +303,7 @@ impl Habits {
         let own_heads = linear.heads.iter().map(|fitted| OwnHead::new(fitted, w));
         Ok(Self {
             own: own_heads.collect(),
-            posted: model.posted().copied(),
+            posted: *model.posted(),
         })
     }
 
@@ -332,10 +313,7 @@ impl Habits {
 
     /// Speed without anybody ahead where `posted_mps` is posted, in m/s; without a limit at the mean one learned from.
     pub fn free_speed_mps(&self, posted_mps: Option<f64>) -> Option<f64> {
-        let factor = self
-            .posted
-            .zip(posted_mps)
-            .map_or(1.0, |(learned, mps)| learned.factor(mps));
+        let factor = posted_mps.map_or(1.0, |mps| self.posted.factor(mps));
         self.say(at::FREE_SPEED, &[]).map(|speed| speed / factor)
     }
 

@@ -45,9 +45,8 @@ pub struct PaperNetworks {
     pub(crate) speed_range_mps: [f64; 2],
     pub(crate) whitening: Whitening,
     /// How the habits of the people learned from differ, for what these networks say of nobody: whether they have met such a
-    /// driver. Not in files of before there was support.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub(crate) habits: Option<Vec<FittedHead>>,
+    /// driver.
+    pub(crate) habits: Vec<FittedHead>,
     pub(crate) parameters: Vec<f32>,
 }
 
@@ -75,7 +74,7 @@ impl PaperNetworks {
         } else if !(low.is_finite() && high.is_finite() && low <= high) {
             "its speed range is not a range"
         } else {
-            return self.habits.as_ref().map_or(Ok(()), |h| check(h, d));
+            return check(&self.habits, d);
         };
         Err(ModelError::bad_file(problem))
     }

@@ -35,8 +35,7 @@ pub struct Personalized {
     pub aggression_hat: Option<f64>,
     /// Events, or rows for the paper's networks, that it was solved from.
     pub readings: usize,
-    /// How well the people learned from explain the drive, before any style; `None` where it shows no habit, and for a model of
-    /// before there was support.
+    /// How well the people learned from explain the drive, before any style; `None` where it shows no habit.
     pub support: Option<Support>,
     /// Whether what is posted lies outside what was posted for those learned from: a free speed is then compared across limits.
     pub posted_unseen: bool,
@@ -149,8 +148,7 @@ impl<'a> Personalizer<'a> {
             covariance: (!posterior.covariance.is_empty()).then_some(posterior.covariance),
             readings,
             support,
-            posted_unseen: (self.model.posted())
-                .is_some_and(|p| p.unseen(drive.road().posted_speed_mps)),
+            posted_unseen: (self.model.posted()).unseen(drive.road().posted_speed_mps),
             used_adb: adb.is_some(),
             embedding,
         })
@@ -189,7 +187,8 @@ impl<'a> Personalizer<'a> {
     }
 
     fn events(&self, drive: &Drive, fraction: f64) -> Vec<Vec<Event>> {
-        events_of(drive, length_s(drive, fraction), self.model.posted())
+        let posted = Some(self.model.posted());
+        events_of(drive, length_s(drive, fraction), posted)
     }
 
     /// What the first share of a drive shows.

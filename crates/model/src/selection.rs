@@ -4,6 +4,7 @@ use crate::{
     dataset::Data,
     epochs::{EpochReport, Observe, TrainingDrive, shuffled_drivers, tell},
     error::ModelError,
+    heads::LearnedFrom,
     held_out::{HeldOut, Said, cut},
     losses::Sums,
     model::Model,
@@ -44,6 +45,7 @@ pub struct Selection {
 /// Trains on some people and judges on others; `None` where nobody is, or can be, kept back.
 pub(crate) fn select(
     drives: &[TrainingDrive<'_>],
+    learned_from: &LearnedFrom,
     settings: &TrainSettings,
     seed: u64,
     observe: &mut Observe<'_>,
@@ -79,7 +81,7 @@ pub(crate) fn select(
             break;
         }
         let mut report = trainer.epoch(number)?;
-        let (sums, predictions) = say(&trainer.model()?, &judged)?;
+        let (sums, predictions) = say(&trainer.model(learned_from)?, &judged)?;
         let losses = sums.terms(None, settings.embedding_size);
         let total = losses.total(&data.active_weights(&settings.loss_weights));
         report.validation = Some(losses);

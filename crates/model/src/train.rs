@@ -4,12 +4,11 @@ use crate::{
     dataset::Data,
     epochs::{Observe, TrainingDrive, tell},
     error::ModelError,
-    heads::{habits_of, train_heads},
+    heads::{learned_from, train_heads},
     heads_kind::HeadsKind,
     model::Model,
     params::TrainSettings,
     personalize::NetworkRows,
-    posted::{FreeSpeed, Posted},
     quality::Quality,
     selection::select,
     trainer::Trainer,
@@ -57,7 +56,8 @@ fn train_networks(
     seed: u64,
     observe: &mut Observe<'_>,
 ) -> Result<Trained, ModelError> {
-    let selection = select(drives, settings, seed, observe)?;
+    let learned_from = learned_from(drives, settings)?;
+    let selection = select(drives, &learned_from, settings, seed, observe)?;
     let data = Data::new(drives, settings)?;
     let last = selection.as_ref().map_or(settings.epochs, |s| s.kept_epoch);
     let mut trainer = Trainer::new(&data, settings, seed, last);
@@ -66,10 +66,7 @@ fn train_networks(
         epochs.push(trainer.epoch(number)?);
         tell(observe, &epochs[number - 1])?;
     }
-    let (habits, population) = habits_of(drives, settings);
-    // The networks read speeds in m/s.
-    let posted = Posted::learn(drives.iter().map(|t| t.drive), FreeSpeed::Absolute);
-    let model = trainer.model()?.with_habits(habits, population, posted);
+    let model = trainer.model(&learned_from)?;
     let quality = quality(&model, &data)?;
     let trained = model.training().iter();
     let embeddings = trained.map(|t| (t.drive.clone(), t.embedding.clone()));

@@ -10,6 +10,7 @@ use crate::{
         matrix::Aligned,
         tile::Tile,
     },
+    heads::LearnedFrom,
     losses::{LossWeights, MutualInformationLoss, Reading, Sums, aggression},
     model::{Heads, Model, ModelParts, TrainingEmbedding},
     network::Networks,
@@ -118,7 +119,7 @@ impl<'a> Trainer<'a> {
     }
 
     /// Whitens the embeddings and packs what was learned so far.
-    pub(crate) fn model(&self) -> Result<Model, ModelError> {
+    pub(crate) fn model(&self, learned_from: &LearnedFrom) -> Result<Model, ModelError> {
         let (data, settings) = (self.data, self.settings);
         let d = settings.embedding_size;
         let raw = self.embeddings.chunks_exact(d);
@@ -139,8 +140,8 @@ impl<'a> Trainer<'a> {
         Model::try_from(ModelParts {
             embedding_size: d,
             score_range: data.score_range,
-            population: None,
-            posted: None,
+            population: learned_from.population.clone(),
+            posted: learned_from.posted,
             training,
             days: None,
             heads: Heads::Paper(Box::new(PaperNetworks {
@@ -153,7 +154,7 @@ impl<'a> Trainer<'a> {
                 learned: data.learned,
                 speed_range_mps: data.speed_range_mps,
                 whitening,
-                habits: None,
+                habits: learned_from.habits.clone(),
                 parameters: self.kernel.layout.unpack(&self.packed),
             })),
         })

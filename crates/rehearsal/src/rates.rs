@@ -21,7 +21,6 @@ pub struct TestRate {
     /// Name of the test.
     pub key: String,
     /// What it is about, for people.
-    #[serde(default)]
     pub about: String,
     /// Studies in which the test had a p.
     pub studies: usize,
@@ -123,10 +122,8 @@ pub struct Cell {
     /// Every family.
     pub families: Vec<FamilyRate>,
     /// Every declared hypothesis, in the design's order.
-    #[serde(default)]
     pub hypotheses: Vec<HypothesisRate>,
     /// Every question of the study's page, in its order; the declared hypotheses stand above.
-    #[serde(default)]
     pub findings: Vec<FindingRate>,
 }
 

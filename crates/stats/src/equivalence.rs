@@ -80,7 +80,6 @@ pub struct Tost {
     /// Whether p < .05, for this pair alone.
     pub equivalent: Option<bool>,
     /// Whether `p_holm` < .05: of several pairs this decides.
-    #[serde(default)]
     pub equivalent_holm: Option<bool>,
     /// Whether `p_difference` < .05; both may hold, and neither.
     pub different: Option<bool>,

@@ -95,21 +95,16 @@ pub(crate) fn warnings(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
     warnings
 }
 
-/// Why a model that learned from so many `people` cannot say whether it has met a driver; none of a model that does not say from whom.
-pub(crate) fn unknown(people: Option<usize>) -> String {
-    match people {
-        Some(people) => format!(
-            "the model learned from {people} people, too few to say whether it has met drivers like these (expected at least three for each habit that a drive shows)"
-        ),
-        None => "the model does not say whom it learned from, so nobody knows whether it has met drivers like these: train it anew".to_owned(),
-    }
+/// Why a model that learned from so many `people` cannot say whether it has met a driver.
+pub(crate) fn unknown(people: usize) -> String {
+    format!(
+        "the model learned from {people} people, too few to say whether it has met drivers like these (expected at least three for each habit that a drive shows)"
+    )
 }
 
 /// A sentence for drives on roads whose limit lies outside those that the model learned from.
 fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
-    let Some(posted) = model.posted() else {
-        return Vec::new();
-    };
+    let posted = model.posted();
     let [low, high] = [posted.lowest_mps, posted.highest_mps].map(|v| format!("{:.0}", 3.6 * v));
     let range = if low == high {
         low
@@ -156,8 +151,7 @@ mod tests {
 
     #[test]
     fn too_few_people_and_a_model_that_does_not_say_whom_it_learned_from_are_told_apart() {
-        assert!(unknown(Some(5)).contains("5 people, too few to say"));
-        assert!(unknown(None).contains("does not say whom it learned from"));
+        assert!(unknown(5).contains("5 people, too few to say"));
     }
 
     #[test]

@@ -33,17 +33,14 @@ pub struct PrimaryOutcome {
     /// Ends of its 95 % interval, of a mixed model.
     pub interval: Option<(f64, f64)>,
     /// What p is of, where the order of answers alone counts.
-    #[serde(default)]
     pub odds: Option<Odds>,
     /// Whether p is of the likelihood ratio, as the odds grow without bound.
-    #[serde(default)]
     pub unbounded: bool,
     /// p of the contrast, two-sided, not adjusted: it is the only one that decides.
     pub p: Option<f64>,
     /// Whether p is below α.
     pub verdict: Verdict,
     /// Why there is no p, where it cannot be tested.
-    #[serde(default)]
     pub why_not: Option<String>,
 }
 
@@ -70,7 +67,6 @@ pub struct Judged {
     /// tests are below .05. None where `p` is of odds.
     pub interval: Option<(f64, f64)>,
     /// What `p` is of, where the order of answers alone counts.
-    #[serde(default)]
     pub odds: Option<Odds>,
     /// Which way the difference is claimed to lie; none of a claim that the two are the same.
     pub expected: Option<Sign>,
@@ -79,15 +75,11 @@ pub struct Judged {
     /// The p by which it is shown: of the contrast, or the larger of the two one-sided tests.
     pub p: Option<f64>,
     /// Whether `p` is adjusted after Holm over the contrasts of the outcome; else it is of this contrast alone.
-    #[serde(default)]
     pub holm: bool,
     /// Of a claim that the two are the same: the p by which it fails, that the difference lies outside the bounds.
-    #[serde(default)]
     pub p_outside: Option<f64>,
     /// Whether `p` is of the likelihood ratio, as the odds grow without bound.
-    #[serde(default)]
     pub unbounded: bool,
     /// Why there is no p, where it cannot be tested.
-    #[serde(default)]
     pub why_not: Option<String>,
 }

@@ -15,7 +15,6 @@ pub struct Group {
     /// The level of this group.
     pub level: String,
     /// What pages call it.
-    #[serde(default)]
     pub label: String,
 }
 

@@ -72,10 +72,8 @@ pub struct CongruenceRow {
     /// Name for people.
     pub title: String,
     /// Whether less of it is better: the model has it turned.
-    #[serde(default)]
     pub less_is_better: bool,
     /// By what score people perceived how far the car lies, which decides nothing; none where that is as driven.
-    #[serde(default)]
     pub perceived: Option<PerceivedStyle>,
     /// People in the model; without one, those with the rating and both places.
     pub n: usize,
@@ -91,7 +89,6 @@ pub struct CongruenceRow {
     pub model: Option<Congruence>,
     /// The rating as predicted over the distance, for people of the mean own style and one standard deviation to either side; as driven
     /// alone.
-    #[serde(default)]
     pub curves: Vec<CongruenceCurve>,
     /// Why there is no fit.
     pub why_not: Option<String>,

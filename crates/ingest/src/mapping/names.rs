@@ -36,9 +36,6 @@ pub struct Names {
     pub drive: String,
     /// The participant's id.
     pub participant: String,
-    /// Of earlier versions, and not read: who is learned from and who is tested is said by the study's design.
-    #[serde(default)]
-    pub study: Option<String>,
     /// The condition, the baseline or the role: an id, or put together like the others.
     #[serde(default = "own")]
     pub condition: String,

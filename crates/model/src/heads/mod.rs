@@ -37,5 +37,5 @@ pub(crate) use style::ScoredStyle;
 pub use style::{Posterior, StyleHead, score_line};
 pub(crate) use support::Population;
 pub use support::{BEYOND_P, Support};
-pub(crate) use train::{habits_of, length_s, train_heads};
+pub(crate) use train::{LearnedFrom, learned_from, length_s, train_heads};
 pub use variability::variability;

@@ -15,7 +15,7 @@ use crate::{
     model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
     on_range::range_of,
     params::TrainSettings,
-    posted::Posted,
+    posted::{FreeSpeed, Posted},
     training_report::{Trained, TrainingReport},
 };
 use maveric_domain::{Drive, Embedding, ParticipantId, StyleScore};
@@ -28,11 +28,26 @@ pub(crate) fn length_s(drive: &Drive, fraction: f64) -> f64 {
     fraction * whole
 }
 
-/// Heads for those who drove, and how their habits differ.
-pub(crate) fn habits_of(
+/// Those whom networks learn from.
+#[derive(Debug, Clone)]
+pub(crate) struct LearnedFrom {
+    /// Linear heads for their habits.
+    pub(crate) habits: Vec<FittedHead>,
+    /// How their habits differ.
+    pub(crate) population: Population,
+    /// What was posted where they drove.
+    pub(crate) posted: Posted,
+}
+
+/// Those whom networks learn from; the networks read speeds in m/s.
+///
+/// # Errors
+/// [`ModelError::NoDrives`] without a drive.
+pub(crate) fn learned_from(
     given: &[TrainingDrive<'_>],
     settings: &TrainSettings,
-) -> (Vec<FittedHead>, Population) {
+) -> Result<LearnedFrom, ModelError> {
+    let posted = posted(given, FreeSpeed::Absolute)?;
     let shown = |t: &TrainingDrive<'_>| {
         let events = events_of(t.drive, length_s(t.drive, settings.fit_fraction), None);
         let owner = t.drive.meta().participant.as_str();
@@ -42,8 +57,19 @@ pub(crate) fn habits_of(
     let (owners, events): (Vec<String>, Vec<DriveEvents>) = given.iter().filter_map(shown).unzip();
     let fitted = fit(&HEADS.map(|h| h.shape()), &events, settings.embedding_size);
     let people = owners.iter().collect::<BTreeSet<_>>().len();
-    let population = Population::learn(&fitted.heads, &events, people);
-    (fitted.heads, population)
+    Ok(LearnedFrom {
+        population: Population::learn(&fitted.heads, &events, people),
+        habits: fitted.heads,
+        posted,
+    })
+}
+
+fn posted(given: &[TrainingDrive<'_>], free_speed: FreeSpeed) -> Result<Posted, ModelError> {
+    let no_drives = ModelError::NoDrives {
+        given: given.len(),
+        excluded: 0,
+    };
+    Posted::learn(given.iter().map(|t| t.drive), free_speed).ok_or(no_drives)
 }
 
 /// Learns the linear heads, S, and where the drives lie in style space by their driving alone.
@@ -53,13 +79,13 @@ pub(crate) fn train_heads(
     seed: u64,
 ) -> Result<Trained, ModelError> {
     let (d, score_range) = (settings.embedding_size, range_of(given)?);
-    let posted = Posted::learn(given.iter().map(|t| t.drive), settings.free_speed);
+    let posted = posted(given, settings.free_speed)?;
     let mut warnings = Vec::new();
     let mut used: Vec<&TrainingDrive<'_>> = Vec::new();
     let mut events: Vec<DriveEvents> = Vec::new();
     for drive in given {
         let until_s = length_s(drive.drive, settings.fit_fraction);
-        let shown = events_of(drive.drive, until_s, posted.as_ref());
+        let shown = events_of(drive.drive, until_s, Some(&posted));
         if shown.iter().all(Vec::is_empty) {
             warnings.push(ModelWarning::NoHabits {
                 drive: drive.drive.meta().drive.clone(),
@@ -104,7 +130,7 @@ pub(crate) fn train_heads(
     let model = Model::try_from(ModelParts {
         embedding_size: d,
         score_range,
-        population: Some(population),
+        population,
         posted,
         training,
         days: None,

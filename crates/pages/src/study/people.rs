@@ -1,7 +1,7 @@
 //! The setting and the people.
 
 use super::{StudyPage, titled};
-use maveric_analysis::{ConsentVersion, FEWEST_AGREED, LeftOutFor, Rule};
+use maveric_analysis::{ConsentVersion, FEWEST_AGREED, LeftOutFor};
 use maveric_domain::Design;
 use maveric_report::{
     ReportError,
@@ -143,20 +143,10 @@ impl StudyPage<'_> {
 /// Who did not take part, and who was left out of the others: reason and count. Whoever did not take part had left before the others, whatever
 /// they are left out by.
 fn who_left(flow: &maveric_analysis::Flow) -> [Vec<(String, usize)>; 2] {
-    let mut absent: Vec<&String> = flow.absent.iter().collect();
-    if absent.is_empty() {
-        // An earlier analysis names only those of no other rule; the others of them will be of those whom the design names.
-        let mut rows: Vec<&LeftOutFor> = flow.left_out.iter().collect();
-        rows.sort_by_key(|row| (row.rule != Rule::Absent, row.rule));
-        let who = rows.into_iter().flat_map(|row| &row.who);
-        absent = who
-            .take(flow.recruited.saturating_sub(flow.drove))
-            .collect();
-    }
     [true, false].map(|is_absent| {
         let counted = flow.left_out.iter().map(|row| {
             let who = row.who.iter();
-            let counted = who.filter(|who| absent.contains(who) == is_absent);
+            let counted = who.filter(|who| flow.absent.contains(who) == is_absent);
             (row.why.clone(), counted.count())
         });
         counted.filter(|(_, n)| *n > 0).collect()
@@ -174,9 +164,10 @@ fn not_agreed(design: &Design, consents: &[ConsentVersion]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use maveric_analysis::Rule;
 
     #[test]
-    fn who_did_not_take_part_is_told_apart_in_an_analysis_that_does_not_name_them_too() {
+    fn who_did_not_take_part_is_told_apart() {
         let row = |rule: Rule, why: &str, who: &[&str]| LeftOutFor {
             rule,
             why: why.to_owned(),
@@ -185,6 +176,7 @@ mod tests {
         let mut flow = maveric_analysis::Flow {
             recruited: 6,
             drove: 4,
+            absent: vec!["P3".to_owned(), "P6".to_owned()],
             left_out: vec![
                 row(Rule::People, "sick", &["P1", "P2"]),
                 row(Rule::StraightLined, "one answer", &["P3"]),
@@ -198,13 +190,6 @@ mod tests {
                 .map(|(why, n)| ((*why).to_owned(), *n))
                 .collect()
         };
-        let earlier = who_left(&flow);
-        let expected = [
-            counts(&[("sick", 1), ("no drive", 1)]),
-            counts(&[("sick", 1), ("one answer", 1)]),
-        ];
-        assert_eq!(earlier, expected);
-        flow.absent = vec!["P3".to_owned(), "P6".to_owned()];
         let expected = [
             counts(&[("one answer", 1), ("no drive", 1)]),
             counts(&[("sick", 2)]),

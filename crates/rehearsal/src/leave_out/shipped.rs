@@ -62,8 +62,8 @@ pub struct Shipped {
     /// Whose order is wrong though nothing was said of it: neither drive is known to be beyond, and the interval of two standard errors
     /// does not hold 0.
     pub wrong_and_sure: Vec<ParticipantId>,
-    /// People whom the model learned from; none where it does not say.
-    pub people_learned_from: Option<usize>,
+    /// People whom the model learned from.
+    pub people_learned_from: usize,
     /// Person by person.
     pub people: Vec<ShippedPerson>,
     /// Whoever cannot be counted.
@@ -76,7 +76,7 @@ pub struct Shipped {
 /// [`RehearsalError::Stats`] where an interval has no ends.
 pub fn shipped(
     people: Vec<ShippedPerson>,
-    people_learned_from: Option<usize>,
+    people_learned_from: usize,
     uncounted: Vec<Uncounted>,
 ) -> Result<Shipped, RehearsalError> {
     let count = |right: bool, beyond: Option<bool>| {
@@ -131,7 +131,7 @@ mod tests {
             person(Some(0.2), no, None),
             person(None, yes, yes),
         ];
-        let found = shipped(people, Some(30), Vec::new()).unwrap();
+        let found = shipped(people, 30, Vec::new()).unwrap();
         assert_eq!(
             (
                 found.n,
@@ -147,7 +147,7 @@ mod tests {
             found.wrong_and_sure.is_empty(),
             "no standard error is known"
         );
-        let none = shipped(Vec::new(), None, Vec::new()).unwrap();
+        let none = shipped(Vec::new(), 0, Vec::new()).unwrap();
         assert_eq!((none.n, none.share), (0, None));
     }
 
@@ -167,7 +167,7 @@ mod tests {
             person("told", -0.9, 0.1, Some(true)),
             person("unknown", -0.9, 0.1, None),
         ];
-        let found = shipped(people, None, Vec::new()).unwrap();
+        let found = shipped(people, 0, Vec::new()).unwrap();
         let named: Vec<&str> = found
             .wrong_and_sure
             .iter()

@@ -158,7 +158,7 @@ pub(crate) fn rule(rule: Rule) -> String {
         Rule::PAbove { bound } => format!("p above {}", apa::bounded(bound, 2)),
         Rule::Above => "above the paper’s bound".to_owned(),
         Rule::Below => "below the paper’s bound".to_owned(),
-        Rule::ByDesign { .. } => "set by whoever runs the study: no finding".to_owned(),
+        Rule::ByDesign {} => "set by whoever runs the study: no finding".to_owned(),
     }
 }
 

@@ -104,7 +104,7 @@ pub enum DfSource {
 
 /// How ours is compared with the paper's.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Rule {
     /// Same sign; and of similar size if within the tolerance.
     Direction {
@@ -131,11 +131,7 @@ pub enum Rule {
     /// Our value is below the printed one.
     Below,
     /// Whoever runs the study sets it: no finding, whatever ours is.
-    ByDesign {
-        /// Of a file of before: it decides nothing.
-        #[serde(default, skip_serializing)]
-        tolerance: Option<f64>,
-    },
+    ByDesign {},
 }
 
 /// A number as printed: `-.5`, `<.001`, `93.6`.

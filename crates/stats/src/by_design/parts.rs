@@ -18,7 +18,6 @@ pub struct SimpleTest {
     /// The level at which it is held.
     pub level: String,
     /// Subjects of that part who are in the test; whoever lacks a value elsewhere is among them.
-    #[serde(default)]
     pub n: usize,
     /// The test; `None` where that part of the data has none.
     pub test: Option<EffectTest>,

@@ -30,9 +30,7 @@ pub struct Frozen {
     pub version: String,
     /// BLAKE3 of the design's text.
     pub hash: String,
-    /// BLAKE3 of all the rest of this file: what to register where others keep the date. Empty in locks of earlier programs, which
-    /// cover the design alone.
-    #[serde(default)]
+    /// BLAKE3 of all the rest of this file: what to register where others keep the date.
     pub seal: String,
     /// Files of answers and of the study's own measures that were there already; none ought to be.
     pub answers: usize,
@@ -41,10 +39,8 @@ pub struct Frozen {
     /// The design's text.
     pub design: String,
     /// BLAKE3 of every other file that decides a number, by its path from the study's folder.
-    #[serde(default)]
     pub files: BTreeMap<String, String>,
     /// Version of each command's numbers.
-    #[serde(default)]
     pub stages: BTreeMap<String, String>,
 }
 
@@ -64,7 +60,7 @@ impl Frozen {
         if self.hash != hash_of(self.design.as_bytes()) {
             return Some("its hash is not that of the design in it");
         }
-        if !self.seal.is_empty() && self.seal().ok().as_ref() != Some(&self.seal) {
+        if self.seal().ok().as_ref() != Some(&self.seal) {
             return Some("its seal is not that of what stands in it");
         }
         (!is_day(&self.date)).then_some("its date is no day")
@@ -181,18 +177,15 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
         sentences: Vec::new(),
     };
     changes.add("key", &leaves(before), &leaves(now))?;
-    let sealed = !frozen.seal.is_empty();
-    if sealed {
-        changes.add("file", &frozen.files, &deciding_files(study)?)?;
-        changes.add("command", &frozen.stages, &stages::versions())?;
-    }
+    changes.add("file", &frozen.files, &deciding_files(study)?)?;
+    changes.add("command", &frozen.stages, &stages::versions())?;
     let mut sentences = changes.sentences;
     let changed = !sentences.is_empty();
     if !changed {
         sentences.push(texts.text("as_declared")?);
     }
     let seal = texts.with(&BTreeMap::from([("changed", changed)]));
-    sentences.push(seal.text(if sealed { "sealed" } else { "earlier" })?);
+    sentences.push(seal.text("sealed")?);
     if frozen.answers + frozen.logs > 0 {
         sentences.push(texts.text("already")?);
     }

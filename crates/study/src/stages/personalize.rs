@@ -93,8 +93,8 @@ pub struct PersonalizedDrives {
     pub off_the_scale: Vec<OffTheScale>,
     /// Drives beyond what the model has learned from: those, and drives that the people learned from do not explain.
     pub beyond: usize,
-    /// People learned from; none for a model that does not say, of which nothing is known to be beyond.
-    pub people_learned_from: Option<usize>,
+    /// People learned from.
+    pub people_learned_from: usize,
     /// One row for each of these drives.
     pub embeddings: Vec<EmbeddingRow>,
 }
@@ -344,7 +344,7 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
         line_position_se: axis.and_then(|a| fitted.sd_along(a.gradient())),
         support_p: fitted.support.as_ref().and_then(|s| s.p),
         beyond_why: fitted.support.as_ref().and_then(Support::beyond),
-        posted_unseen: (personalizer.model().posted()).map(|_| fitted.posted_unseen),
+        posted_unseen: Some(fitted.posted_unseen),
         covariance: fitted.covariance,
         embedding: fitted.embedding,
     })

@@ -106,10 +106,8 @@ pub struct TrainingSummary {
     /// The paper's networks; none for linear heads.
     pub networks: Option<NetworkReport>,
     /// How far one person's drives differ; none where nobody drove twice, and standard errors are of the drive.
-    #[serde(default)]
     pub days: Option<Days>,
     /// Scores of the style in the table that are of nobody who drove here.
-    #[serde(default)]
     pub scores_without_drive: usize,
 }
 

@@ -24,9 +24,7 @@ pub(crate) fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(),
 /// As [`Table`] does, naming row and column.
 pub fn read_conditions(path: &Path) -> Result<Vec<ConditionRow>, StudyError> {
     let table = Table::read(path)?;
-    let mut beside = vec![("embedding", read_coordinates(&table)?)];
-    // A table of before does not say it.
-    beside.extend(table.absent(&["beyond_why"]));
+    let beside = [("embedding", read_coordinates(&table)?)];
     let mut rows: Vec<ConditionRow> = table.records_beside(&beside)?;
     if table.has("donor") {
         for (row, lent) in rows.iter_mut().zip(table.records_with("donor")?) {
@@ -97,10 +95,6 @@ mod tests {
         std::fs::write(&path, half).unwrap();
         let refused = read_conditions(&path).unwrap_err().to_string();
         assert!(refused.contains("donor_distance_sd"), "{refused}");
-        // A table of before has no column for it.
-        let before = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\nP01,own,30,0,,false,,false,0.5\n";
-        std::fs::write(&path, before).unwrap();
-        assert_eq!(read_conditions(&path).unwrap()[0].beyond_why, None);
         assert_eq!(row(None).drive().unwrap().as_str(), "P01-sporty");
     }
 }

@@ -64,7 +64,7 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
         .map_or(0, |w| w.as_ref().map_or(0, Vec::len));
     let covariances = read_covariances(&table, d)?;
     let mut beside = vec![("embedding", embeddings), ("covariance", covariances)];
-    // Tables without covariances have no errors beside them, and older ones do not say what is beyond their model.
+    // Tables without covariances have no errors beside them; one by hand need not say what is beyond a model.
     beside.extend(table.absent(&[
         "line_position_se",
         "support_p",

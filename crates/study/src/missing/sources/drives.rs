@@ -139,9 +139,9 @@ mod tests {
         )
         .unwrap();
         assert!(of().is_empty());
-        let header = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,w1\n";
+        let header = "participant,condition,adb_hat,moved_points,moved_points_sd,clamped,angle_rad,beyond_training,beyond_why,w1\n";
         let placed =
-            |who: &str, condition: &str| format!("{who},{condition},30,0,,false,,false,0.5\n");
+            |who: &str, condition: &str| format!("{who},{condition},30,0,,false,,false,,0.5\n");
         let mine = header.to_owned() + &placed("P1", "mine") + &placed("P2", "mine");
         write("conditions.csv", &mine).unwrap();
         assert_eq!(of(), ["P1"]);
