@@ -1,4 +1,4 @@
-//! Outputs by what they were made from, in a directory or a bucket that several people may share.
+//! Outputs by what they were made from, in a directory that several people may share.
 //!
 //! `made/` holds a small file for each run of a stage, named by the hash of what it was made
 //! from; `content/` holds files, each named by its own hash. Everything appears whole by a
@@ -86,7 +86,7 @@ pub(crate) struct Ran<'a> {
 }
 
 impl Cache {
-    /// Opens a cache in a folder, or on object storage by its URL.
+    /// Opens a cache in a folder.
     ///
     /// # Errors
     /// As [`Store::open`].

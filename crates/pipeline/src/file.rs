@@ -44,11 +44,10 @@ pub use schema::schema;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::fetched_places::Places;
 use crate::{PipelineError, Stage};
 use commands::add_what_is_there;
 use layers::{
-    Layer, check_added, merged_fetch, merged_params, merged_stages, move_roots, with_layers,
+    Layer, check_added, merged_params, merged_stages, move_roots, with_layers,
 };
 use tables::{Surroundings, read_stages};
 use value::{check_name, required, string};
@@ -79,7 +78,6 @@ pub struct Pipeline {
     variant: Option<String>,
     text: String,
     stages: Vec<Stage>,
-    fetch: Places,
 }
 
 impl Pipeline {
@@ -148,7 +146,6 @@ impl Pipeline {
             params.set(key, value)?;
         }
         let entries = merged_stages(layers)?;
-        let fetch = merged_fetch(layers)?;
         let commands = settings.commands;
         let surroundings = Surroundings { root, commands };
         let (mut stages, mut if_there) = read_stages(&entries, &params, surroundings)?;
@@ -157,7 +154,7 @@ impl Pipeline {
             (stages, if_there) = read_stages(&entries, &params, surroundings)?;
         }
         check_added(layers, &stages)?;
-        add_what_is_there(&mut stages, if_there, fetch.keys(), root);
+        add_what_is_there(&mut stages, if_there, root);
         Ok(Self {
             name: text,
             path: path.to_owned(),
@@ -165,7 +162,6 @@ impl Pipeline {
             variant: settings.variant.clone(),
             text: top.text.to_owned(),
             stages,
-            fetch,
         })
     }
 
@@ -182,11 +178,6 @@ impl Pipeline {
     /// Its stages, in the order of the file.
     pub fn stages(&self) -> &[Stage] {
         &self.stages
-    }
-
-    /// Paths below the root and the URLs on object storage from which they are fetched before a run.
-    pub fn fetch(&self) -> &BTreeMap<String, String> {
-        &self.fetch
     }
 
     /// The text of its own file, without what that extends.

@@ -2,8 +2,6 @@
 
 mod atomic_write;
 mod attempt;
-#[cfg(feature = "object-store")]
-mod bucket;
 mod cache;
 mod check;
 mod clean;
@@ -14,8 +12,6 @@ mod draw;
 mod error;
 mod event;
 mod executor;
-mod fetch;
-mod fetched_places;
 mod file;
 mod graph;
 mod journal;

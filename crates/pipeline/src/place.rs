@@ -79,12 +79,6 @@ impl Place {
         self.beside_ledger(".running")
     }
 
-    /// What was fetched from object storage.
-    #[cfg(feature = "object-store")]
-    pub(crate) fn fetched(&self) -> PathBuf {
-        self.beside_ledger(".fetched")
-    }
-
     /// What was handed to a cluster and is not settled.
     pub(crate) fn jobs(&self) -> PathBuf {
         self.beside_ledger(".jobs")

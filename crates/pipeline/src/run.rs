@@ -37,7 +37,6 @@ pub fn run(
     let graph = Graph::new(pipeline)?;
     place.check(pipeline)?;
     let wanted = graph.wanted(&options.targets)?;
-    crate::fetch::fetch(pipeline, place)?;
     graph.check_sources(&wanted, place)?;
     let forced = crate::status::forced(&graph, &options.targets, options.force)?;
     let lock = RunLock::acquire(place.lock())?;

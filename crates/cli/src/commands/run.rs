@@ -55,8 +55,7 @@ pub(crate) struct Run {
     /// After a failure go on with what does not need the failed stage
     #[arg(long)]
     keep_going: bool,
-    /// Folder of outputs by what they were made from, or a URL such as s3://bucket/cache where the program was built for it: take
-    /// from it, add to it
+    /// Folder of outputs by what they were made from: take from it, add to it
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
     /// Where the stages run

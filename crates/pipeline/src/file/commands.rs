@@ -103,15 +103,10 @@ impl CommandFiles {
     }
 }
 
-/// Adds to each stage what it reads if it is there: made by another stage, fetched, or on the disk.
-pub(super) fn add_what_is_there<'f>(
-    stages: &mut [Stage],
-    if_there: Vec<Vec<String>>,
-    fetched: impl Iterator<Item = &'f String>,
-    root: &Path,
-) {
+/// Adds to each stage what it reads if it is there: made by another stage, or on the disk.
+pub(super) fn add_what_is_there(stages: &mut [Stage], if_there: Vec<Vec<String>>, root: &Path) {
     let outputs = stages.iter().flat_map(|stage| &stage.outputs).cloned();
-    let outputs: BTreeSet<String> = outputs.chain(fetched.cloned()).collect();
+    let outputs: BTreeSet<String> = outputs.collect();
     for (stage, paths) in stages.iter_mut().zip(if_there) {
         for path in paths {
             let folder = format!("{path}/");

@@ -11,8 +11,6 @@ pub(crate) enum Kind {
     Count,
     /// Values by name: strings, decimal numbers, booleans.
     Values,
-    /// URLs by path.
-    Places,
     /// Arrays of values by name.
     Lists,
     /// A table with keys of its own.
@@ -60,12 +58,6 @@ pub(crate) const TOP_KEYS: &[Key] = &[
         Kind::Values,
         "Parameters: `{name}` in a stage, or in another parameter, stands for the value; \
          `--set name=VALUE` replaces it for a run.",
-    ),
-    key(
-        "fetch",
-        Kind::Places,
-        "Inputs on object storage: path of a file or folder below the root = URL, such as \
-         `s3://bucket/logs`. They are fetched before a run, and stages see files.",
     ),
     key(
         "stage",

@@ -9,7 +9,6 @@ use super::keys::TOP_KEYS;
 use super::value::{Located, Value, check_keys, read_params, string, wrong_type};
 use crate::PipelineError;
 use crate::error::{FileProblem, nearest};
-use crate::fetched_places::{Places, is_allowed};
 use crate::params::{Params, is_name};
 use crate::paths::normalise;
 
@@ -86,30 +85,6 @@ pub(super) fn merged_params(layers: &[Layer<'_>]) -> Result<Params, PipelineErro
                 }
             }
             merged.0.insert(name, param);
-        }
-    }
-    Ok(merged)
-}
-
-/// What all files fetch: what the first says of a path goes before what others do.
-pub(super) fn merged_fetch(layers: &[Layer<'_>]) -> Result<Places, PipelineError> {
-    let mut merged = Places::new();
-    for layer in layers.iter().rev() {
-        let Some(value) = layer.table.get("fetch") else {
-            continue;
-        };
-        let wrong = |at| layer.error(at);
-        let DeValue::Table(table) = value.get_ref() else {
-            return Err(wrong(wrong_type("fetch", value, "a table")));
-        };
-        for (path, url) in table {
-            let name = path.get_ref().to_string();
-            let url_text = string(&name, url).map_err(wrong)?;
-            if !is_allowed(&name, &url_text) {
-                let expected = "a URL such as \"s3://bucket/logs\", for a path below the root";
-                return Err(wrong(wrong_type(&name, url, expected)));
-            }
-            merged.insert(name, url_text);
         }
     }
     Ok(merged)

@@ -49,10 +49,6 @@ fn of_kind(kind: Kind) -> Value {
             "propertyNames": {"pattern": NAME},
             "additionalProperties": single,
         }),
-        Kind::Places => json!({
-            "type": "object",
-            "additionalProperties": {"type": "string", "pattern": "://"},
-        }),
         Kind::Lists => json!({
             "type": "object",
             "propertyNames": {"pattern": NAME},

@@ -182,3 +182,18 @@ fn what_is_restored_is_as_private_as_what_a_stage_makes() {
     let made = fs::metadata(theirs.path("made/table.csv")).unwrap();
     assert_eq!(made.permissions().mode() & 0o777, 0o600);
 }
+
+#[test]
+fn a_url_is_refused_as_a_cache_before_anything_runs() {
+    let url = Path::new("s3://bucket/cache");
+    let novels = Novels::with_cache(url);
+    let refused = run(
+        &novels.pipeline(),
+        &novels.place(),
+        &novels.options,
+        &mut |_| {},
+    );
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("s3://bucket/cache"), "{message}");
+    assert!(!Path::new("s3:").exists());
+}
