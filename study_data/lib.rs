@@ -93,7 +93,6 @@ files! {
     SCENARIOS_SEAT = "study_data/scenarios/seat.toml";
     SCENARIOS_STOP_AND_GO = "study_data/scenarios/stop_and_go.toml";
     PIPELINES_ABLATION = "pipelines/ablation.toml";
-    PIPELINES_DIAL = "pipelines/dial.toml";
     PIPELINES_NGSIM = "pipelines/ngsim.toml";
     PIPELINES_NULL = "pipelines/null.toml";
     PIPELINES_OPENACC = "pipelines/openacc.toml";

@@ -61,10 +61,6 @@ pub enum Question {
     Single,
     /// Would a study of this size show what is there?
     Power,
-    /// Does the model know how far to turn the dial?
-    Recommends,
-    /// Does choosing the next ride save rides?
-    Active,
     /// Does what was learned follow more like the driver than a simple law?
     Better,
     /// Does knowing the driver help?
@@ -80,7 +76,7 @@ pub enum Question {
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 31] = [
+const IDS: [(Question, &str); 29] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
@@ -104,8 +100,6 @@ const IDS: [(Question, &str); 31] = [
     (Question::Families, "families"),
     (Question::Single, "single"),
     (Question::Power, "power"),
-    (Question::Recommends, "recommends"),
-    (Question::Active, "active"),
     (Question::Better, "better"),
     (Question::Personal, "personal"),
     (Question::Reached, "reached"),

@@ -62,10 +62,7 @@ pub use outcomes::shown_unit;
 pub use person::Person;
 pub use planned::{PlannedTest, held_against_baseline, planned};
 pub use presses::{BeforePress, CoursePoint, FEWEST_PEOPLE, FEWEST_PRESSES, PressCourse, Presses};
-pub use recommendation::{
-    Dial, FURTHEST_POINTS, Learned, OnTheScale, Percept, Preferred, Reason, Recommendation,
-    SETTINGS, Standard,
-};
+pub use recommendation::{Learned, OnTheScale, Preferred, Reason, Recommendation};
 pub use result::{
     Above, AggressionLine, Analysis, Bias, ByFactor, CongruenceCurve, CongruenceRow, Contrast,
     ContrastTest, Correlation, Described, Exclusion, FactorContrast, Group, HomophilyRow, Judged,

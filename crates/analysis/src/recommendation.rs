@@ -6,8 +6,7 @@ mod scale;
 #[cfg(test)]
 mod tests;
 
-pub use learned::{FURTHEST_POINTS, Learned, Preferred, Standard};
-pub use percept::{Dial, Percept};
+pub use learned::{Learned, Preferred};
 pub use scale::OnTheScale;
 
 use crate::StudyData;
@@ -16,8 +15,8 @@ use maveric_stats::Belief;
 use scale::{on_the_scale, settings_within};
 use serde::Serialize;
 
-/// Settings that a further trial may show, in ADB points from the own style; on another scale the same shares of it.
-pub const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0];
+/// The settings that a condition may come near to, in ADB points from the own style. On another scale they are as large a share of it.
+const SETTINGS: [f64; 7] = [-15.0, -10.0, -5.0, 0.0, 5.0, 10.0, 15.0];
 
 /// A reason: by how many points it moves the recommendation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -46,8 +45,6 @@ pub struct Recommendation {
     pub before_riding: Option<Preferred>,
     /// The reasons, the largest first.
     pub reasons: Vec<Reason>,
-    /// The setting whose rating would tell most, in points of the style's score, and how much, in nats; none where the dial is not turned.
-    pub next: Option<(f64, f64)>,
 }
 
 impl Learned {
@@ -64,7 +61,6 @@ impl Learned {
                 on_the_scale: None,
                 before_riding: None,
                 reasons: Vec::new(),
-                next: None,
             };
         }
         let traits = self.traits(data, p);
@@ -85,28 +81,7 @@ impl Learned {
             preferred,
             before_riding: self.preferred_within(&before, &traits, within),
             reasons: reasons(self, [&before, &rated, &after], &traits),
-            next: Some(self.next_within(&after, &traits, within)),
         }
-    }
-
-    /// The setting that is expected to tell most.
-    pub fn next(&self, belief: &Belief, traits: &[f64]) -> (f64, f64) {
-        self.next_within(belief, traits, self.furthest())
-    }
-
-    /// As [`Learned::next`], between these settings.
-    fn next_within(&self, belief: &Belief, traits: &[f64], [low, high]: [f64; 2]) -> (f64, f64) {
-        let mut best = (0.0, f64::NEG_INFINITY);
-        let settings = SETTINGS.map(|points| points * self.adb_point);
-        // What is a setting by its last decimal is one.
-        let is_there = |points: &f64| (low - 1e-9..=high + 1e-9).contains(points);
-        for points in settings.into_iter().filter(is_there) {
-            let nats = self.information(belief, traits, points);
-            if nats > best.1 + 1e-12 {
-                best = (points, nats);
-            }
-        }
-        best
     }
 }
 

@@ -27,7 +27,7 @@ use maveric_study::{
     Files, Outcome, Stage, StudyError, Watch,
     stages::{
         ablate, evaluate, generate, import, ingest, init, inspect, measure, personalize, rate,
-        recommend, rehearse, rehearse_dial, report, score, simulate, steer, train, validate,
+        recommend, rehearse, report, score, simulate, steer, train, validate,
     },
 };
 use std::{
@@ -111,7 +111,6 @@ pub(crate) enum Command {
     Validate(Of<validate::Validate>),
     Recommend(Of<recommend::Recommend>),
     Rehearse(Of<rehearse::Rehearse>),
-    RehearseDial(Of<rehearse_dial::RehearseDial>),
     Report(Of<report::DrawReport>),
     Export(export::Export),
     Completions(completions::Completions),
@@ -175,7 +174,6 @@ impl Command {
             Self::Validate(c) => c,
             Self::Recommend(c) => c,
             Self::Rehearse(c) => c,
-            Self::RehearseDial(c) => c,
             Self::Report(c) => c,
             Self::Stats(c) => return c.study(),
             _ => return None,

@@ -18,7 +18,7 @@ pub use codebook::{codebook, named_answers};
 pub use glossary::glossary;
 pub use orders::orders;
 pub use page_texts::{
-    ABLATION, DECLARED, DIAL, FOLLOWING, METHODS, PageTexts, REHEARSAL, RESULTS, STUDY, TextFile,
+    ABLATION, DECLARED, FOLLOWING, METHODS, PageTexts, REHEARSAL, RESULTS, STUDY, TextFile,
     VALIDATION,
 };
 pub use preregistration::preregistration;

@@ -37,7 +37,6 @@ macro_rules! files {
 files! {
     ABLATION "ablation_page.toml" "What each part of the model is worth.",
     DECLARED "declared.toml" "What was declared, and how many people a study needs.",
-    DIAL "dial_page.toml" "How far to turn the dial for a person.",
     FOLLOWING "following_page.toml" "Car-following of recorded drivers.",
     METHODS "methods.toml" "How a study was done.",
     REHEARSAL "rehearsal_page.toml" "How often tests err, and how many people they need.",

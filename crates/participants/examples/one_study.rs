@@ -2,7 +2,7 @@
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 
 use maveric_domain::{ConditionId, Design, MeasureValues, Moment, Scale};
-use maveric_participants::{Cohort, CohortSettings, Effects, answer_before, preferred_shift, rate};
+use maveric_participants::{Cohort, CohortSettings, Effects, answer_before, rate};
 use std::collections::BTreeMap;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -38,10 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
         if !p.order.is_empty() {
             let rated = rate(p, &drive(29.0), &trials, &spread, &scales, &effects, seed)?;
-            print!(
-                ", would like {:+.2} SD; sum of trust items 6 to 12:",
-                preferred_shift(p, &effects, seed)
-            );
+            print!("; sum of trust items 6 to 12:");
             for (condition, _) in &trials {
                 let items = rated
                     .answers

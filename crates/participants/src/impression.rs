@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// The shift that a person would like best, in the unit of [`Perception::shift`](crate::effects::Perception::shift): the truth that an
 /// estimate of preference is held against.
-pub fn preferred_shift(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
+fn preferred_shift(participant: &Participant, effects: &Effects, seed: u64) -> f64 {
     let draw = normal(&mut stream(seed, &[participant.id.as_str(), "preference"]));
     let by_traits = weighted(participant, &effects.preference.effects);
     effects.preference.intercept + by_traits + effects.preference.own_sd * draw

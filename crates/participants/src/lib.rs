@@ -23,11 +23,10 @@ pub use at_random::{answer_at_random, probes_at_random};
 pub use cohort::{Cohort, PlannedDrive};
 pub use effects::Effects;
 pub use error::ParticipantError;
-pub use impression::preferred_shift;
 pub use part::Part;
 pub use person::{Gender, Participant, Personality, Population, Trait};
 pub use presses::{PressModel, presses_during};
-pub use ratings::{Rated, RatingWarning, rate, rate_trial};
+pub use ratings::{Rated, RatingWarning, rate};
 pub use settings::{CohortSettings, Group};
 #[cfg(test)]
 mod testing;

@@ -120,42 +120,6 @@ pub fn rate<R: Into<Ride> + Copy>(
     Ok(rated)
 }
 
-/// Lets one participant rate one more drive of the car, beside those of a study: the trials in which their preference is searched for.
-///
-/// As [`rate`], but each answer's random part belongs to `label`, which names the trial; habits and preference are those of the
-/// study. The answers are filed under the condition that is given. The place in the order of trials counts for nothing.
-///
-/// # Errors
-/// As [`rate`].
-pub fn rate_trial(
-    participant: &Participant,
-    own: &MeasureValues,
-    (label, condition, values): (&str, ConditionId, &MeasureValues),
-    spread: &BTreeMap<String, f64>,
-    scales: &[Scale],
-    effects: &Effects,
-    seed: u64,
-) -> Result<Rated, ParticipantError> {
-    effects.check()?;
-    covered(scales, &effects.ratings)?;
-    check_measures(participant, own)?;
-    check_measures(participant, values)?;
-    let trial = Trial {
-        participant,
-        ride: condition.into(),
-        label,
-        place: 0.0,
-        own,
-        values,
-        spread,
-    };
-    let mut rated = Rated::default();
-    let (impression, missing) = trial.impression(effects, seed);
-    let judged = (&impression, None, missing.as_slice());
-    trial.rate(scales, effects, seed, judged, &mut rated);
-    Ok(rated)
-}
-
 fn check_measures(
     participant: &Participant,
     values: &MeasureValues,

@@ -51,14 +51,6 @@ pub enum RehearsalError {
     /// A design without a drive by hand to compare with.
     #[error("a rehearsal needs a design with a baseline")]
     NoBaseline,
-    /// A design of roles alone.
-    #[error("a rehearsal needs a design with at least one condition")]
-    NoCondition,
-    /// Effects under which the dial has no direction.
-    #[error(
-        "with these effects nobody perceives the high end of the dial as more aggressive than its middle, and the low end as less"
-    )]
-    NoDirection,
     /// A value that the nouns refuse.
     #[error(transparent)]
     Domain(#[from] maveric_domain::DomainError),

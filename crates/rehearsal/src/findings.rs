@@ -1,13 +1,12 @@
 //! What became of the questions that rehearsals and validations ask: which rates, shares and intervals decide, and by which rule.
 
 use crate::{
-    dial_trial::{LearnedFrom, Method, TrialError},
     leave_out::{By, Direction, Order, Whose},
     power::POWER,
     rates::{ALPHA, Cell, FamilyRate, TestRate},
     validation::{Agreement, Dial, Fidelity, Identification, Metric, Reading, mean},
 };
-use maveric_analysis::{Finding, Part, Question, verdict::FEWEST};
+use maveric_analysis::{Finding, Part, Question};
 use maveric_domain::design::Sign;
 use maveric_stats::{Proportion, proportion};
 
@@ -47,45 +46,6 @@ pub fn power(cell: &Cell) -> Finding {
         declared.map(|h| part(&h.says, h.shown.as_ref())).collect()
     };
     Finding::every(Question::Power, parts)
-}
-
-/// Does the model know how far to turn the dial? It has to come near for more people than leaving everybody at their own style does.
-pub fn recommends(learned: &LearnedFrom) -> Finding {
-    let score = |method| learned.scores.iter().find(|s| s.method == method);
-    let floor = score(Method::OwnForAll).and_then(|s| s.within_5);
-    let floor = floor.map_or(0.0, |share| share.estimate);
-    let (people, share) = score(Method::AfterFourConditions)
-        .and_then(|s| Some((s.people, s.within_5?)))
-        .unzip();
-    let part = Part::share(
-        "within 5 points",
-        people.unwrap_or(0),
-        share.as_ref(),
-        (floor, f64::INFINITY),
-    );
-    Finding::every(Question::Recommends, vec![part])
-}
-
-/// After how many trials the two ways of choosing are held beside each other: half of them.
-pub fn halfway(search: &[TrialError]) -> Option<&TrialError> {
-    search.get(search.len() / 2)
-}
-
-/// Does choosing the next ride save rides? Its error has to be below the grid's, both taken as independent.
-pub fn saves(search: &[TrialError]) -> Option<Finding> {
-    let middle = halfway(search)?;
-    let difference = middle.active.0 - middle.grid.0;
-    let half = libm::hypot(middle.active.1, middle.grid.1);
-    let part = Part::within(
-        format!("after {} trials", middle.trials),
-        FEWEST.max(search.len()),
-        (
-            Some(difference),
-            Some((difference - half, difference + half)),
-        ),
-        (f64::NEG_INFINITY, 0.0),
-    );
-    Some(Finding::every(Question::Active, vec![part]))
 }
 
 /// A number over several models: mean, lowest and highest; nothing where no model has it.

@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-mod dial_trial;
 mod donors;
 mod error;
 pub mod findings;
@@ -16,7 +15,6 @@ mod unknown_car;
 pub mod validation;
 mod world;
 
-pub use dial_trial::{DialTrials, LearnedFrom, Method, Score, TrialError, Tried};
 pub use error::RehearsalError;
 pub use outcomes::{Found, Part, Studied, found_in};
 pub use population::{

@@ -5,8 +5,6 @@ mod vertex;
 
 pub use belief::Belief;
 
-use serde::{Deserialize, Serialize};
-
 use crate::{
     StatsError, complete,
     mixed::blocks::{Block, Blocks},
@@ -26,7 +24,7 @@ pub struct PersonRows {
 }
 
 /// y = x β + z u + ε: β with normal priors, u ~ N(0, ψ²) a person, ε ~ N(0, σ²).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Hierarchical {
     /// Posterior of β, given the variances.
     pub coefficients: Belief,

@@ -15,17 +15,17 @@ use maveric_domain::{
     design::{Condition, ScoreName},
 };
 use maveric_stats::{Belief, Hierarchical, PersonRows, hierarchical};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// A column of numbers about people, standardised over those learned from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Standard {
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Standard {
     /// What it is: `openness`, `adb`, `line_position`, …
-    pub name: String,
+    pub(super) name: String,
     /// Mean of the values learned from.
-    pub mean: f64,
+    pub(super) mean: f64,
     /// Standard deviation.
-    pub sd: f64,
+    pub(super) sd: f64,
 }
 
 /// Everything learned from the people of a study.
@@ -33,26 +33,24 @@ pub struct Standard {
 /// rating = α + A (b + Σ θₖ xₖ + u) + g A² + D (d + Σ φₖ xₖ + v) + ε: A the perceived shift, D the perceived distance from the own drive, x the
 /// person's standardised traits; α, u, v differ between people. θ and φ are shrunk, each group by a variance of its own.
 /// The preferred shift is where b A + g A² is highest; D, the dislike of a car unlike oneself, is kept apart from it.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone)]
 pub struct Learned {
-    /// People learned from.
-    pub people: usize,
     /// [`StudyData::adb_point`] of the study.
-    pub adb_point: f64,
+    pub(super) adb_point: f64,
     /// How a drive is perceived.
-    pub percept: Percept,
+    pub(super) percept: Percept,
     /// Where the dial is.
-    pub dial: Dial,
+    pub(super) dial: Dial,
     /// The traits.
-    pub traits: Vec<Standard>,
+    pub(super) traits: Vec<Standard>,
     /// The ratings, each with 1, or -1 where less is better; they are averaged in SDs.
-    pub ratings: Vec<(ScoreName, f64, Standard)>,
+    pub(super) ratings: Vec<(ScoreName, f64, Standard)>,
     /// The fit; its coefficients are of 1, A, A² and D, then of A by each trait, then of D by each.
-    pub fit: Hierarchical,
+    pub(super) fit: Hierarchical,
 }
 
 /// Where a person would like the dial, in points of the style's score.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Preferred {
     /// The middle of what is believed.
     pub points: f64,
@@ -68,7 +66,7 @@ pub struct Preferred {
 const PLAIN: usize = 4;
 /// Settings further from the own style than this are not recommended, in ADB points or as large a share of another scale: nobody has
 /// driven them.
-pub const FURTHEST_POINTS: f64 = 30.0;
+const FURTHEST_POINTS: f64 = 30.0;
 
 /// Names and values of what is known of a person before any ride.
 fn traits_of(data: &StudyData, p: &ParticipantId) -> Vec<(String, Option<f64>)> {
@@ -108,16 +106,12 @@ pub(super) fn setting_of(condition: &Condition, moved_points: Option<f64>) -> Op
 }
 
 impl Learned {
-    /// Learns from some of a study's people; how they perceive a drive is learned too, unless it is given.
+    /// Learns from some of a study's people, and how they perceive a drive too.
     ///
     /// # Errors
     /// [`AnalysisError::NoRatings`] where the design declares none; [`AnalysisError::NothingToLearn`] for fewer than five people, ratings
     /// that nobody gave or all gave alike, or a dial that nobody perceives to turn.
-    pub fn from(
-        data: &StudyData,
-        people: &[ParticipantId],
-        percept: Option<Percept>,
-    ) -> Result<Self, AnalysisError> {
+    pub fn from(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
         let not_possible = |problem: String| AnalysisError::NothingToLearn { problem };
         if people.len() < 5 {
             return Err(not_possible(format!(
@@ -129,10 +123,7 @@ impl Learned {
         if declared.is_empty() {
             return Err(AnalysisError::NoRatings);
         }
-        let percept = match percept {
-            Some(given) => given,
-            None => Percept::learn(data, people)?,
-        };
+        let percept = Percept::learn(data, people)?;
         let dial = percept.dial(data, people).ok_or_else(|| {
             not_possible("the two ends of the dial and its middle are not perceived in this order, or were not all driven: the dial has no direction".to_owned())
         })?;
@@ -166,7 +157,6 @@ impl Learned {
             )));
         }
         let mut learned = Self {
-            people: people.len(),
             adb_point: data.adb_point(),
             percept,
             dial,
@@ -193,7 +183,7 @@ impl Learned {
     }
 
     /// A person's standardised traits; 0, the mean, where one is missing.
-    pub fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
+    pub(super) fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
         let known = traits_of(data, p);
         let z_of = |s: &Standard| {
             let value = known
@@ -206,7 +196,7 @@ impl Learned {
     }
 
     /// The mean rating behind scores, in SDs.
-    pub fn rating(&self, score: impl Fn(&ScoreName) -> Option<f64>) -> Option<f64> {
+    pub(super) fn rating(&self, score: impl Fn(&ScoreName) -> Option<f64>) -> Option<f64> {
         let z_of = |(name, sign, s): &(ScoreName, f64, Standard)| {
             Some(sign * (score(name)? - s.mean) / s.sd)
         };
@@ -223,7 +213,7 @@ impl Learned {
     }
 
     /// The whole row of a drive for a belief about somebody: x, z, and which of [`SETTINGS`] it showed, if one.
-    pub fn row(traits: &[f64], perceived: (f64, f64), setting: Option<usize>) -> Vec<f64> {
+    pub(super) fn row(traits: &[f64], perceived: (f64, f64), setting: Option<usize>) -> Vec<f64> {
         let mut row = Self::columns(traits, perceived);
         row.extend([1.0, perceived.0, perceived.1]);
         row.extend((0..SETTINGS.len()).map(|i| if setting == Some(i) { 1.0 } else { 0.0 }));
@@ -248,7 +238,7 @@ impl Learned {
     ///
     /// Behind β and u stands an error of each setting that its repetitions share, as large as that of a single rating: what the model gets
     /// wrong about a setting it gets wrong each time, so that showing it again tells less than showing another.
-    pub fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
+    pub(super) fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
         let mut belief = self
             .fit
             .somebody()
@@ -271,7 +261,7 @@ impl Learned {
     }
 
     /// Takes in one rating.
-    pub fn observe(&self, belief: &mut Belief, row: &[f64], rating: f64) {
+    fn observe(&self, belief: &mut Belief, row: &[f64], rating: f64) {
         belief.observe(row, rating, self.fit.residual_sd.powi(2));
     }
 
@@ -280,7 +270,7 @@ impl Learned {
     /// # Source
     /// Ours: the slope b + 2 g A of the preference is 0 at the perceived shift A of the place, with the error that the SD of the place
     /// makes of it at the curvature that is believed.
-    pub fn observe_settled(&self, belief: &mut Belief, traits: &[f64], settled: Settled) {
+    pub(super) fn observe_settled(&self, belief: &mut Belief, traits: &[f64], settled: Settled) {
         let (linear, square) = parabola(traits);
         let shift = |points: f64| self.dial.expected(points).0;
         let settled_shift = shift(settled.points);
@@ -299,7 +289,7 @@ impl Learned {
     }
 
     /// Where the person would like the dial; `None` if the ratings do not fall to both sides of anything.
-    pub fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
+    pub(super) fn preferred(&self, belief: &Belief, traits: &[f64]) -> Option<Preferred> {
         self.preferred_within(belief, traits, self.furthest())
     }
 
@@ -332,22 +322,6 @@ impl Learned {
             high: quantile(0.975),
             within_5: near.count() as f64 / points.len() as f64,
         })
-    }
-
-    /// What rating the setting `points` is expected to tell of the preferred shift, in nats.
-    pub fn information(&self, belief: &Belief, traits: &[f64], points: f64) -> f64 {
-        let (linear, square) = parabola(traits);
-        let (b, g) = (belief.mean_of(&linear), belief.mean_of(&square).min(-0.05));
-        // −b / 2g, straightened where it is believed to be.
-        let target: Vec<f64> = linear
-            .iter()
-            .zip(&square)
-            .map(|(l, s)| -l / (2.0 * g) + s * b / (2.0 * g * g))
-            .collect();
-        let shown = points / self.adb_point;
-        let setting = SETTINGS.iter().position(|s| (s - shown).abs() < 0.5);
-        let row = Self::row(traits, self.dial.expected(points), setting);
-        belief.information(&target, &row, self.fit.residual_sd.powi(2))
     }
 }
 

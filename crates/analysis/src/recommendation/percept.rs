@@ -3,7 +3,6 @@
 use crate::{StudyData, error::AnalysisError};
 use maveric_domain::{ConditionId, MeasureValues, ParticipantId, design::ScoreName, spread};
 use maveric_stats::{PersonRows, hierarchical};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The scale of perceived aggressiveness.
@@ -14,25 +13,25 @@ const SAME_AGGRESSIVENESS: f64 = 4.0;
 const LARGEST_DIFFERENCE: f64 = 5.0;
 
 /// Weights of the differences from the own drive, in SDs of own drives.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Percept {
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Percept {
     /// Of the perceived shift towards aggressive, by measure.
-    pub shift: BTreeMap<String, f64>,
+    pub(super) shift: BTreeMap<String, f64>,
     /// Of the squares in the perceived distance; they add up to 1.
-    pub distance: BTreeMap<String, f64>,
+    pub(super) distance: BTreeMap<String, f64>,
     /// SD of each measure over own drives.
-    pub spread: BTreeMap<String, f64>,
+    pub(super) spread: BTreeMap<String, f64>,
 }
 
 /// Where the dial is on average over people, in the unit of the perceived shift, and how far from the own drive that is.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Dial {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Dial {
     /// Points between the own style and the two ends that were driven.
-    pub points: f64,
+    pub(super) points: f64,
     /// Perceived shift of the low end of the dial, of the own style and of the high end.
-    pub shift: [f64; 3],
+    pub(super) shift: [f64; 3],
     /// Perceived distance of the three.
-    pub distance: [f64; 3],
+    pub(super) distance: [f64; 3],
 }
 
 impl Percept {
@@ -41,7 +40,7 @@ impl Percept {
     ///
     /// # Errors
     /// [`AnalysisError::NothingToLearn`] where nobody said how aggressive a drive was; [`AnalysisError::Stats`] where all said the same.
-    pub fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
+    pub(super) fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
         let own_drives: Vec<&MeasureValues> = people
             .iter()
             .filter_map(|p| data.drive(p, data.design.baseline_id()?))
@@ -93,7 +92,7 @@ impl Percept {
     }
 
     /// Perceived shift and distance of a drive from the own one.
-    pub fn perceived(&self, own: &MeasureValues, drive: &MeasureValues) -> (f64, f64) {
+    pub(super) fn perceived(&self, own: &MeasureValues, drive: &MeasureValues) -> (f64, f64) {
         let (mut shift, mut squares, mut compared) = (0.0, 0.0, 0.0);
         for (name, difference) in between(own, drive, &self.spread) {
             let weight = self.distance.get(&name).copied().unwrap_or(0.0);
@@ -110,7 +109,7 @@ impl Percept {
     }
 
     /// As [`Percept::perceived`], of a participant's condition.
-    pub(crate) fn of_condition(
+    pub(super) fn of_condition(
         &self,
         data: &StudyData,
         p: &ParticipantId,
@@ -121,7 +120,7 @@ impl Percept {
     }
 
     /// Where the dial is on average.
-    pub fn dial(&self, data: &StudyData, people: &[ParticipantId]) -> Option<Dial> {
+    pub(super) fn dial(&self, data: &StudyData, people: &[ParticipantId]) -> Option<Dial> {
         let mut dial = Dial {
             points: 0.0,
             shift: [0.0; 3],
@@ -162,7 +161,7 @@ fn ends(data: &StudyData) -> Option<[ConditionId; 3]> {
 
 impl Dial {
     /// Points of the style's score at which the car is perceived to be shifted by `shift`, on a straight line to either end and beyond.
-    pub fn points_at(&self, shift: f64) -> f64 {
+    pub(super) fn points_at(&self, shift: f64) -> f64 {
         let [low, middle, high] = self.shift;
         let step = if shift >= middle {
             high - middle
@@ -173,7 +172,7 @@ impl Dial {
     }
 
     /// Perceived shift and distance that a setting in points is expected to have.
-    pub fn expected(&self, points: f64) -> (f64, f64) {
+    pub(super) fn expected(&self, points: f64) -> (f64, f64) {
         let part = points / self.points;
         let end = if part >= 0.0 { 2 } else { 0 };
         let shift = self.shift[1] + part.abs() * (self.shift[end] - self.shift[1]);

@@ -1,8 +1,9 @@
 //! Recommendations worked out by hand, and found again in the ratings of made-up numbers.
 
 use super::{
-    Dial, Learned, OnTheScale, Percept, Preferred, Reason, SETTINGS, Standard,
-    learned::{parabola, setting_of},
+    Learned, OnTheScale, Preferred, Reason, SETTINGS,
+    learned::{Standard, parabola, setting_of},
+    percept::{Dial, Percept},
     reasons,
     scale::{on_the_scale, settings_within},
 };
@@ -66,7 +67,6 @@ fn learned() -> Learned {
         )
     };
     Learned {
-        people: 9,
         adb_point: 1.0,
         percept: Percept {
             shift: BTreeMap::new(),
@@ -228,37 +228,7 @@ fn the_parabola_has_every_part_of_a_rating_that_turns_with_the_shift_what_is_the
 }
 
 #[test]
-fn a_setting_tells_by_how_far_it_is_shifted() {
-    let mut learned = learned();
-    learned.fit.coefficients = known(&[(1, 1.0)]);
-    let belief = believed(&learned);
-    let nats = |points| learned.information(&belief, &[0.0, 0.0], points);
-    // Only b is open: a rating at the shift A has a variance of A² beside that of 0.5².
-    near(nats(15.0), 0.5 * 5.0_f64.ln(), 1e-9);
-    near(nats(-15.0), 0.5 * 2.0_f64.ln(), 1e-9);
-    near(nats(0.0), 0.0, 1e-9);
-    let (points, most) = learned.next(&belief, &[0.0, 0.0]);
-    near(points, 15.0, 1e-12);
-    near(most, 0.5 * 5.0_f64.ln(), 1e-9);
-    // With an open curvature alone, -b / 2g hangs on it by b / 2g², and the rating by A².
-    learned.fit.coefficients = known(&[(2, 1.0)]);
-    near(
-        learned.information(&believed(&learned), &[0.0, 0.0], 15.0),
-        0.5 * 5.0_f64.ln(),
-        1e-9,
-    );
-    // Both open and alike: the target is (1, 0.4) / 3, the row (1, 1).
-    learned.fit.coefficients = known(&[(1, 1.0), (2, 1.0)]);
-    let share: f64 = 1.4 * 1.4 / (1.16 * (2.0 + 0.25));
-    near(
-        learned.information(&believed(&learned), &[0.0, 0.0], 15.0),
-        -0.5 * (1.0 - share).ln(),
-        1e-9,
-    );
-}
-
-#[test]
-fn no_setting_is_recommended_or_shown_that_the_scale_does_not_have() {
+fn no_setting_is_recommended_that_the_scale_does_not_have() {
     let mut data = two_placed();
     let within = |data: &StudyData, i: usize, expected: [f64; 2]| {
         let found = settings_within(data, data.embedding(&person(i), true), [-30.0, 30.0]);
@@ -273,9 +243,9 @@ fn no_setting_is_recommended_or_shown_that_the_scale_does_not_have() {
     within(&data, 1, [-1.0, 30.0]);
     within(&data, 2, [-30.0, 30.0]);
     let people: Vec<_> = (0..PEOPLE).map(person).collect();
-    let learned = Learned::from(&eight(below), &people, None).unwrap();
+    let learned = Learned::from(&eight(below), &people).unwrap();
     let found = learned.recommendation(&data, &person(1));
-    assert!(found.preferred.unwrap().low >= -1.0 && found.next.unwrap().0 >= -1.0);
+    assert!(found.preferred.unwrap().low >= -1.0);
     let there = found.on_the_scale.unwrap();
     assert!(there.low <= there.at && there.at <= there.high, "{there:?}");
 }
@@ -289,9 +259,6 @@ fn on_a_scale_from_1_to_6_a_recommendation_is_as_large_a_share_as_on_the_adb() {
     let at = |pace: f64| learned.preferred(&belief, &[pace, 0.0]).unwrap();
     near(at(2.0).points, 6.0 * a_point, 1e-9);
     near(at(30.0).points, 30.0 * a_point, 1e-9);
-    learned.fit.coefficients = known(&[(1, 1.0)]);
-    let (next, _) = learned.next(&believed(&learned), &[0.0, 0.0]);
-    near(next, 15.0 * a_point, 1e-12);
 }
 
 #[test]
@@ -394,7 +361,7 @@ fn below(off: f64) -> f64 {
 fn a_dial_that_nobody_sees_turn_down_is_none() {
     let data = eight(|off| off);
     let people: Vec<_> = (0..PEOPLE).map(person).collect();
-    let error = Learned::from(&data, &people, None).unwrap_err();
+    let error = Learned::from(&data, &people).unwrap_err();
     assert!(
         error.to_string().contains("not perceived in this order"),
         "{error}"
@@ -405,13 +372,10 @@ fn a_dial_that_nobody_sees_turn_down_is_none() {
 fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     let data = eight(below);
     let people: Vec<_> = (0..PEOPLE).map(person).collect();
-    let learned = Learned::from(&data, &people, None).unwrap();
+    let learned = Learned::from(&data, &people).unwrap();
     let traits: Vec<&str> = learned.traits.iter().map(|t| t.name.as_str()).collect();
     // Everybody's score is the same.
-    assert_eq!(
-        (learned.people, traits),
-        (PEOPLE, vec!["pace", "own_mean_velocity"])
-    );
+    assert_eq!(traits, ["pace", "own_mean_velocity"]);
     let standardised = people.iter().map(|p| learned.traits(&data, p)[0]);
     let (sum, squares) = standardised.fold((0.0, 0.0), |(s, q), t| (s + t, q + t * t));
     near(sum, 0.0, 1e-9);
@@ -428,8 +392,6 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
         let expected = 10.0 * liked(i);
         near(found.preferred.unwrap().points, expected, 1.5);
         near(found.before_riding.unwrap().points, expected, 2.5);
-        let (next, nats) = found.next.unwrap();
-        assert!(SETTINGS.contains(&next) && nats >= 0.0);
         assert!(
             found.on_the_scale.is_none(),
             "no model read anybody's score"
@@ -457,12 +419,12 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
     let mut stranger = data.clone().with_embeddings(vec![beyond]);
     let none = learned.recommendation(&stranger, last);
     assert_eq!(none.beyond, Some(BeyondWhy::Scale));
-    assert!(none.preferred.is_none() && none.before_riding.is_none() && none.next.is_none());
+    assert!(none.preferred.is_none() && none.before_riding.is_none());
     let driven = format!("{DESIGN}[model]\nbeyond = \"drive\"\n");
     stranger.design = Design::from_toml(&driven).unwrap();
     let asked = learned.recommendation(&stranger, last);
     assert!(asked.beyond.is_some() && asked.preferred.is_some());
-    let few = Learned::from(&data, &people[..4], None).unwrap_err();
+    let few = Learned::from(&data, &people[..4]).unwrap_err();
     assert!(few.to_string().contains("4 people"), "{few}");
 }
 
@@ -472,7 +434,7 @@ fn without_ratings_nothing_is_learned_and_what_to_write_is_said() {
     let refused = |design: &str| {
         let mut data = eight(below);
         data.design = Design::from_toml(design).unwrap();
-        Learned::from(&data, &people, None).unwrap_err()
+        Learned::from(&data, &people).unwrap_err()
     };
     let undeclared = refused(DESIGN.split("[homophily]").next().unwrap());
     assert!(
@@ -498,7 +460,7 @@ fn without_ratings_nothing_is_learned_and_what_to_write_is_said() {
         }
     }
     let unfelt = StudyData::new(&Design::from_toml(DESIGN).unwrap(), tables).unwrap();
-    let unfelt = Learned::from(&unfelt, &people, None).unwrap_err();
+    let unfelt = Learned::from(&unfelt, &people).unwrap_err();
     assert!(
         unfelt
             .to_string()

@@ -1,13 +1,11 @@
-//! The answers of rehearsals: of studies without effects, of power, and of the dial.
+//! The answers of rehearsals: of studies without effects, and of power.
 
 use crate::{
     card::{Drawn, card, share_row},
     texts::{Texts, value},
 };
 use maveric_analysis::{Finding, Question, Verdict};
-use maveric_rehearsal::{
-    ALPHA, Cell, LearnedFrom, Method, POWER, TrialError, findings::halfway, validation::mean,
-};
+use maveric_rehearsal::{ALPHA, Cell, POWER, validation::mean};
 use maveric_report::{Card, ReportError, figures::intervals::IntervalRow};
 use minijinja::context;
 
@@ -92,55 +90,4 @@ fn power(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportEr
     let rows = finding.parts.iter();
     let drawn = Drawn::beside(100.0 * POWER, rows.map(|part| share_row(&part.of, part)));
     card(texts, finding, &values, Some(drawn))
-}
-
-/// Does the model know how far to turn, once somebody has been driven in the four conditions?
-pub fn recommends(learned: &LearnedFrom, finding: &Finding) -> Result<Card, ReportError> {
-    let share = |method| {
-        let score = learned.scores.iter().find(|s| s.method == method);
-        score.and_then(|s| Some(s.within_5?.estimate))
-    };
-    let own_for_all = share(Method::OwnForAll);
-    let values = context! {
-        learned_from => learned.participants,
-        after => share(Method::AfterFourConditions),
-        own => own_for_all,
-        best => share(Method::Ceiling),
-    };
-    let rows = learned.scores.iter();
-    let rows = rows.map(|s| IntervalRow::share(s.method.title(), s.within_5.as_ref()));
-    let drawn = Drawn::beside(100.0 * own_for_all.unwrap_or(0.0), rows);
-    card(&texts()?, finding, &values, Some(drawn))
-}
-
-/// Does choosing what to show next learn faster than a grid? `saved` says how many trials.
-pub fn saves(
-    search: &[TrialError],
-    saved: &str,
-    finding: &Finding,
-) -> Result<Option<Card>, ReportError> {
-    let Some(middle) = halfway(search) else {
-        return Ok(None);
-    };
-    let texts = texts()?;
-    let values = context! {
-        saved,
-        trials => middle.trials,
-        active => middle.active.0,
-        grid => middle.grid.0,
-    };
-    let row = |key: &str, (value, half): (f64, f64)| {
-        let label = texts.say("active", key, &values)?;
-        Ok::<_, ReportError>(IntervalRow::new(
-            label,
-            Some(value),
-            Some((value - half, value + half)),
-        ))
-    };
-    let rows = [
-        row("chosen_row", middle.active)?,
-        row("grid_row", middle.grid)?,
-    ];
-    let drawn = Drawn::beside(None, rows);
-    card(&texts, finding, &values, Some(drawn)).map(Some)
 }

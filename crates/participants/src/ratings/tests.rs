@@ -260,23 +260,6 @@ fn one_trial_does_not_change_another() {
 }
 
 #[test]
-fn a_further_trial_is_rated_by_the_same_person_with_other_noise() {
-    let study = TestStudy::run(2, 1, &effects());
-    let participant = &study.cohort.participants[0];
-    let own = own_measures(&participant.id, 1);
-    let (_, values) = &trials(&own, &participant.id, 1)[0];
-    let answers = |label: &str| {
-        let trial = (label, id("mimic"), values);
-        rate_trial(participant, &own, trial, &units(), &scales(), &effects(), 1)
-            .unwrap()
-            .answers
-    };
-    assert_eq!(answers("a"), answers("a"));
-    assert_ne!(answers("a"), answers("b"));
-    assert_eq!(answers("a").len(), 37);
-}
-
-#[test]
 fn impossible_trials_are_refused() {
     let (participant, own, mut trials) = one_trial(MeasureValues::new());
     trials.push(trials[0].clone());

@@ -1,5 +1,5 @@
 use super::*;
-use crate::{Score, outcomes::Part as Of, validation::Right};
+use crate::{outcomes::Part as Of, validation::Right};
 use maveric_analysis::Verdict::{self, Fails, NotAsked, NotShown, Shown, TooFew};
 
 fn share(hits: usize, n: usize) -> Option<Proportion> {
@@ -66,60 +66,6 @@ fn one_test_in_twenty_may_look_lax_and_no_more() {
         [judged(2), judged(10), judged(30)],
         [Shown, NotShown, Fails]
     );
-}
-
-#[test]
-fn a_recommendation_has_to_beat_leaving_everybody_at_their_own_style() {
-    let judged = |ours: usize, floor: usize| {
-        let score = |method, hits| Score {
-            method,
-            people: 100,
-            within_5: share(hits, 100),
-            mean_error: 5.0,
-            mean_error_half: 1.0,
-            covered: None,
-        };
-        recommends(&LearnedFrom {
-            participants: 48,
-            scores: vec![
-                score(Method::OwnForAll, floor),
-                score(Method::AfterFourConditions, ours),
-                score(Method::Ceiling, 99),
-            ],
-            shown: Vec::new(),
-        })
-        .verdict
-    };
-    assert_eq!(
-        [judged(80, 40), judged(45, 40), judged(20, 40)],
-        [Shown, NotShown, Fails]
-    );
-}
-
-#[test]
-fn choosing_saves_rides_when_its_error_is_below_the_grids_after_half_of_them() {
-    let judged = |middle: f64| {
-        let trial = |trials, active| TrialError {
-            trials,
-            people: 24,
-            active: (active, 0.3),
-            grid: (5.0, 0.4),
-            within_5: (0.5, 0.4),
-        };
-        // The first and the last say the opposite.
-        let search = [
-            trial(0, 10.0 - middle),
-            trial(1, middle),
-            trial(2, 10.0 - middle),
-        ];
-        saves(&search).unwrap().verdict
-    };
-    // The half of the difference is .5.
-    assert_eq!(
-        [judged(4.4), judged(4.6), judged(5.6)],
-        [Shown, NotShown, Fails]
-    );
-    assert_eq!(saves(&[]), None);
 }
 
 fn fidelity(mimic: f64, floor: f64, n: usize) -> Fidelity {

@@ -18,7 +18,6 @@ pub mod personalize;
 pub mod rate;
 pub mod recommend;
 pub mod rehearse;
-pub mod rehearse_dial;
 pub mod report;
 mod sample_size;
 pub mod score;
@@ -52,9 +51,8 @@ pub fn versions() -> BTreeMap<String, String> {
         ("stats", 19),
         ("ablate", 11),
         ("validate", 16),
-        ("recommend", 6),
+        ("recommend", 7),
         ("rehearse", 12),
-        ("rehearse-dial", 7),
         ("report", 22),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
@@ -62,14 +60,8 @@ pub fn versions() -> BTreeMap<String, String> {
 }
 
 /// The commands of [`versions`] with figures among what they make.
-const DRAWING: [&str; 7] = [
-    "evaluate",
-    "stats",
-    "ablate",
-    "validate",
-    "rehearse",
-    "rehearse-dial",
-    "report",
+const DRAWING: [&str; 6] = [
+    "evaluate", "stats", "ablate", "validate", "rehearse", "report",
 ];
 
 /// [`versions`] where every figure looks as a style says, of which `hash` is the hash: what draws makes something else with another.

@@ -1,4 +1,4 @@
-//! `recommend`: how far to turn the dial for this person, how sure that is, why, and which shift to show next.
+//! `recommend`: how far to turn the dial for this person, how sure that is, and why.
 
 use crate::{
     atomic_write::write_json,
@@ -16,7 +16,7 @@ use maveric_domain::ParticipantId;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Say how far to turn the dial for a person: the recommended shift, how sure it is, why, and which shift to show next
+/// Say how far to turn the dial for a person: the recommended shift, how sure it is, and why
 #[derive(Debug, Clone, clap::Args)]
 #[command(after_help = "Example: maveric recommend study_data/generated/paper --participant S2P07")]
 pub struct Recommend {
@@ -77,7 +77,7 @@ impl Stage for Recommend {
                 .filter(|o| o != p)
                 .cloned()
                 .collect();
-            let learned = Learned::from(&data, &others, None)?;
+            let learned = Learned::from(&data, &others)?;
             recommendations.push(learned.recommendation(&data, p));
         }
         let value = Recommended {
@@ -206,9 +206,6 @@ fn lines(r: &Recommendation, said: Points, at_length: bool) -> Vec<String> {
                 reason.points, reason.because
             ));
         }
-        lines.extend(r.next.map(|(points, nats)| {
-            format!("  show next: {points:+.further$} points (would tell {nats:.2} nats of the preferred shift)")
-        }));
     }
     lines
 }
@@ -231,7 +228,6 @@ mod tests {
             on_the_scale: None,
             before_riding: None,
             reasons: Vec::new(),
-            next: None,
         };
         let said = |unit, near, further| {
             let points = Points {

@@ -31,7 +31,6 @@ pub(crate) mod learning_curve;
 pub(crate) mod perpendicular;
 pub(crate) mod preference;
 pub(crate) mod press_course;
-pub(crate) mod recommendation;
 pub(crate) mod residuals;
 pub(crate) mod scatter;
 pub(crate) mod simulator_view;
@@ -101,7 +100,6 @@ pub(crate) const KINDS: [(&str, Draw); 34] = [
     draw!(press_course),
     draw!(family),
     ("intervals", intervals::draw),
-    draw!(recommendation),
     draw!(curves),
     draw!(false_positives),
     draw!(fidelity),

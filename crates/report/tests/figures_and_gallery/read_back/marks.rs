@@ -58,20 +58,6 @@ fn points_lie_where_both_their_numbers_say() {
 
 #[test]
 fn upright_intervals_have_their_mark_and_both_their_ends() {
-    let people = kinds::recommendation::input();
-    let figure = figures::recommendation(&people, &context()).unwrap();
-    let one = |&[truth, value, low, high]: &[f64; 4]| {
-        // An end beyond the panel lies on its border.
-        let furthest = people
-            .people
-            .iter()
-            .flatten()
-            .fold(15.0, |far: f64, v| far.max(v.abs()))
-            + 1.0;
-        interval(truth, [value, low.max(-furthest), high.min(furthest)])
-    };
-    read_back(&figure, &[people.people.iter().flat_map(one).collect()]);
-
     let curves = kinds::curves::input();
     let figure = figures::curves(&curves, &context()).unwrap();
     let expected = curves.panels.iter().map(|panel| {
