@@ -120,7 +120,7 @@ impl Cleaning<'_> {
             };
             let record = ledger.run.get(key).and_then(|r| r.outputs.get(output));
             let files = match made {
-                Made::Open(_) | Made::If(_) => names,
+                Made::Open(_) => names,
                 Made::Files(files) => {
                     let is_foreign = |name: &&String| files.binary_search(name).is_err();
                     let foreign: Vec<String> = names.iter().filter(is_foreign).cloned().collect();
@@ -136,7 +136,7 @@ impl Cleaning<'_> {
             // Of a folder in the making nobody knows what in it is the stage's.
             let is_known = |name: &String| match made {
                 Made::Open(known) => name.is_empty() || known.binary_search(name).is_ok(),
-                Made::Files(_) | Made::If(_) => true,
+                Made::Files(_) => true,
             };
             let unsure = !files.iter().all(is_known);
             if (edited || unsure) && !self.force {

@@ -162,14 +162,14 @@ pub enum PipelineError {
         /// What does not fit, with its line where it has one.
         message: String,
     },
-    /// The ledger was written by a newer version.
-    #[error("the ledger {} has format {found}; this program knows formats up to {supported}", path.to_slash_lossy())]
-    LedgerNewer {
+    /// The ledger has another format than that of this version.
+    #[error("the ledger {} has format {found}; this program knows format {supported}", path.to_slash_lossy())]
+    LedgerFormat {
         /// The ledger.
         path: PathBuf,
         /// The format that it claims.
         found: u32,
-        /// The newest that we read.
+        /// The one that we read.
         supported: u32,
     },
     /// The pipeline has run in another folder, where its paths mean other files.
@@ -273,9 +273,18 @@ impl PipelineError {
                  to be removed or put aside (--move-aside)",
                 path.to_slash_lossy()
             )),
-            Self::LedgerNewer { path, .. } => Some(format!(
-                "use the newer program, or delete {}: every stage then runs again, and what former \
+            Self::LedgerFormat {
+                path,
+                found,
+                supported,
+            } => Some(format!(
+                "{}delete {}: every stage then runs again, and what former \
                  runs made has to be removed or put aside (--move-aside)",
+                if found > supported {
+                    "use the newer program, or "
+                } else {
+                    ""
+                },
                 path.to_slash_lossy()
             )),
             Self::OtherRoot { before, .. } => Some(format!(

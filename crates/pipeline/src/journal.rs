@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::content::hash_of;
-use crate::ledger::{FIRST_BY_OUTPUT, Ledger, Record};
+use crate::ledger::{Ledger, Record};
 use crate::{LEDGER_VERSION, PipelineError};
 
 /// Digits of a line's hash.
@@ -143,7 +143,7 @@ pub(crate) fn replay(
             version,
             pipeline,
             ledger: onto,
-        }) if (FIRST_BY_OUTPUT..=LEDGER_VERSION).contains(&version)
+        }) if version == LEDGER_VERSION
             && pipeline == ledger.pipeline
             && onto.as_ref() == hash => {}
         _ => return Ok(false),

@@ -13,10 +13,8 @@ use crate::{Manifest, PipelineError, Row, Stage};
 pub(crate) use open::OpenLedger;
 pub(crate) use read::{Loaded, load, load_at};
 
-/// The format that this version writes, and the newest that it reads.
+/// The format that this version writes and reads.
 pub const LEDGER_VERSION: u32 = 4;
-/// The first format that is kept by output path.
-pub(crate) const FIRST_BY_OUTPUT: u32 = 3;
 
 const HEADING: &str = "# What each stage's outputs were made from. Written at the end of a run; \
                        not meant to be edited.\n\n";
@@ -33,7 +31,7 @@ pub struct Ledger {
     pub version: u32,
     /// The pipeline's name.
     pub pipeline: String,
-    /// Where the paths of its stages begin, as seen from the ledger's folder; up to format 3 nobody knows.
+    /// Where the paths of its stages begin, as seen from the ledger's folder; `None` before the first run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub root: Option<String>,
     /// What is there of runs that did not end well, or of which others have taken a part.
@@ -99,8 +97,6 @@ pub(crate) enum Made<'a> {
     Open(&'a [String]),
     /// Files below it, in order; the empty name for itself.
     Files(&'a [String]),
-    /// All of it, as long as it has this content: earlier versions kept no list of files.
-    If(&'a str),
 }
 
 const ITSELF: &[String] = &[String::new()];
@@ -120,7 +116,7 @@ impl Ledger {
     /// Reads a ledger; where there is no file, nothing has been made.
     ///
     /// # Errors
-    /// [`PipelineError::LedgerNewer`] for a format that we do not know,
+    /// [`PipelineError::LedgerFormat`] for another format,
     /// [`PipelineError::LedgerDamaged`] for anything that is no ledger of `pipeline`, or in
     /// which a digest is not that of its own list, [`PipelineError::Io`].
     pub fn read(path: &Path, pipeline: &str) -> Result<Self, PipelineError> {
@@ -173,13 +169,9 @@ impl Ledger {
     pub(crate) fn made_by(&self, key: &str) -> BTreeMap<&str, Made<'_>> {
         let mut outputs = BTreeMap::new();
         if let Some(record) = self.run.get(key) {
-            for (output, content) in &record.outputs {
-                let kind = match record.files.get(output) {
-                    Some(files) => Made::Files(files),
-                    None if content.contains(" in ") => Made::If(content),
-                    None => Made::Files(ITSELF),
-                };
-                outputs.insert(output.as_str(), kind);
+            for output in record.outputs.keys() {
+                let files = record.files.get(output).map_or(ITSELF, Vec::as_slice);
+                outputs.insert(output.as_str(), Made::Files(files));
             }
         }
         if let Some(left) = self.left.get(key) {
@@ -250,22 +242,16 @@ impl Ledger {
 
     /// The files of a run by output, as far as they are known by name.
     fn files_left(&self, key: &str) -> BTreeMap<String, Vec<String>> {
-        let files = |made: Made<'_>| match made {
-            Made::Files(files) | Made::Open(files) => Some(files.to_vec()),
-            Made::If(_) => None,
-        };
         let outputs = self.made_by(key).into_iter();
         outputs
-            .filter_map(|(output, made)| Some((output.to_owned(), files(made)?)))
+            .map(|(output, Made::Files(files) | Made::Open(files))| {
+                (output.to_owned(), files.to_vec())
+            })
             .collect()
     }
 
     fn write(&self, path: &Path) -> Result<(), PipelineError> {
-        let written = Self {
-            version: LEDGER_VERSION,
-            ..self.clone()
-        };
-        let body = toml::to_string(&written)
+        let body = toml::to_string(self)
             .map_err(|error| PipelineError::io("write", path)(std::io::Error::other(error)))?;
         atomic_write_bytes(
             path,

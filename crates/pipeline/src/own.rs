@@ -47,32 +47,23 @@ pub(crate) fn unknown(
     ledger: &Ledger,
     hasher: &Hasher<'_>,
 ) -> Result<Unknown, PipelineError> {
-    // Of each output what is a run's; `None` for all that is there.
-    let mut outputs: Vec<(&str, Option<Made<'_>>)> = Vec::new();
-    for key in keys {
-        for (output, what) in ledger.made_by(key) {
-            let is_whole = match what {
-                Made::If(content) => hasher.content(output)?.as_deref() == Some(content),
-                Made::Open(_) | Made::Files(_) => false,
-            };
-            outputs.push((output, (!is_whole).then_some(what)));
-        }
-    }
+    // Of each output what is a run's.
+    let outputs = keys.iter().flat_map(|key| ledger.made_by(key));
+    let outputs: Vec<(&str, Made<'_>)> = outputs.collect();
     let origin = |path: &str| {
-        let by_one = |(output, what): &(&str, Option<Made<'_>>)| {
+        let by_one = |(output, what): &(&str, Made<'_>)| {
             let within = path.strip_prefix(output)?;
             let is_below = within.is_empty() || within.starts_with('/');
             let within = within.trim_start_matches('/');
             is_below.then(|| match what {
-                None => Origin::Made,
-                Some(Made::Open(_)) if within.is_empty() => Origin::Made,
-                Some(Made::Files(files) | Made::Open(files))
+                Made::Open(_) if within.is_empty() => Origin::Made,
+                Made::Files(files) | Made::Open(files)
                     if files.binary_search_by(|f| (**f).cmp(within)).is_ok() =>
                 {
                     Origin::Made
                 }
-                Some(Made::Open(_)) => Origin::Unsure,
-                Some(Made::Files(_) | Made::If(_)) => Origin::Foreign,
+                Made::Open(_) => Origin::Unsure,
+                Made::Files(_) => Origin::Foreign,
             })
         };
         let origins = outputs.iter().filter_map(by_one);

@@ -63,8 +63,7 @@ pub(super) struct Task {
     pub(super) spool: PathBuf,
     /// What the stage is made from, without the inputs that others were to make first.
     pub(super) made_from: Manifest,
-    /// Under which the ledger has noted that the stage was begun; empty where an earlier version handed it in.
-    #[serde(default)]
+    /// Under which the ledger has noted that the stage was begun.
     pub(super) key: String,
 }
 

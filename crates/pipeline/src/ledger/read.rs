@@ -1,18 +1,17 @@
-//! Reading ledgers, of this version and of those before.
+//! Reading ledgers.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::{FIRST_BY_OUTPUT, LEDGER_VERSION, Ledger, Left, Record};
+use super::{LEDGER_VERSION, Ledger, Record};
 use crate::content::hash_of;
-use crate::{Manifest, PipelineError, Place, Row, journal};
+use crate::{PipelineError, Place, journal};
 
 /// A ledger with its journal, and what is needed to go on with them.
 pub(crate) struct Loaded {
     pub(crate) ledger: Ledger,
     /// The hash of the ledger's bytes; `None` if there is no file.
     pub(super) hash: Option<String>,
-    /// Whether this is more than the file says: by the journal, or by the root.
+    /// Whether this is more than the file says: by the journal.
     pub(super) replayed: bool,
 }
 
@@ -51,15 +50,11 @@ pub(crate) fn load_at(place: &Place, pipeline: &str) -> Result<Loaded, PipelineE
             before: place.folder_from_ledger(&before),
             root: place.root.clone(),
         }),
-        before => {
-            // Where the file does not say it, it is written anew.
-            loaded.replayed |= before.is_none() && loaded.hash.is_some();
-            Ok(loaded)
-        }
+        _ => Ok(loaded),
     }
 }
 
-/// The part of a ledger that every version has had.
+/// The part of a ledger that every format has.
 #[derive(serde::Deserialize)]
 struct AnyVersion {
     version: u32,
@@ -76,18 +71,15 @@ fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Ledger, 
         let line = line.map_or(1, |before| before.matches('\n').count() + 1);
         damaged(format!("line {line}: {}", error.message()))
     };
-    let mut ledger = toml::from_str::<Ledger>(&text);
+    let ledger = toml::from_str::<Ledger>(&text);
     if !matches!(&ledger, Ok(ledger) if ledger.version == LEDGER_VERSION) {
         let AnyVersion { version } = toml::from_str(&text).map_err(damaged_at)?;
-        if version > LEDGER_VERSION {
-            return Err(PipelineError::LedgerNewer {
+        if version != LEDGER_VERSION {
+            return Err(PipelineError::LedgerFormat {
                 path: path.to_owned(),
                 found: version,
                 supported: LEDGER_VERSION,
             });
-        }
-        if version < FIRST_BY_OUTPUT {
-            ledger = toml::from_str::<Old>(&text).map(Ledger::from);
         }
     }
     let ledger = ledger.map_err(damaged_at)?;
@@ -109,65 +101,6 @@ fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Ledger, 
     }
 }
 
-/// A ledger up to format 2, which was kept by stage.
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Old {
-    #[expect(dead_code, reason = "checked before")]
-    version: u32,
-    pipeline: String,
-    #[serde(default)]
-    unfinished: BTreeMap<String, Vec<String>>,
-    #[serde(default)]
-    stage: BTreeMap<String, OldRecord>,
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OldRecord {
-    digest: String,
-    seconds: f64,
-    peak_memory: Option<u64>,
-    row: Option<Row>,
-    #[serde(default)]
-    set: BTreeMap<String, String>,
-    made_from: Manifest,
-    #[serde(default)]
-    outputs: BTreeMap<String, String>,
-}
-
-impl From<Old> for Ledger {
-    fn from(old: Old) -> Self {
-        let mut ledger = Self::empty(&old.pipeline);
-        for (stage, open) in old.unfinished {
-            let key = crate::stage::key(&stage, &open);
-            let left = Left {
-                stage,
-                open,
-                files: BTreeMap::new(),
-            };
-            ledger.left.insert(key, left);
-        }
-        for (stage, record) in old.stage {
-            let key = crate::stage::key(&stage, record.outputs.keys());
-            let record = Record {
-                stage,
-                variant: None,
-                digest: record.digest,
-                seconds: record.seconds,
-                peak_memory: record.peak_memory,
-                row: record.row,
-                set: record.set,
-                made_from: record.made_from,
-                outputs: record.outputs,
-                files: BTreeMap::new(),
-            };
-            ledger.run.insert(key, record);
-        }
-        ledger
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,12 +114,12 @@ mod tests {
 
     #[test]
     fn a_damaged_ledger_is_an_error_that_says_what_to_do() {
-        let good = "version = 3\npipeline = 'p'\n";
+        let good = "version = 4\npipeline = 'p'\n";
         for text in [
             "",
-            "version = 3\npipe",
-            "version = 3\npipeline = 'other'\n",
-            "version = 2\npipeline = 'p'\nextra = 1\n",
+            "version = 4\npipe",
+            "version = 4\npipeline = 'other'\n",
+            "version = 4\npipeline = 'p'\nextra = 1\n",
             &format!("{good}extra = 1\n"),
             &format!(
                 "{good}[run.a]\nstage = 'a'\ndigest = 'no'\nseconds = 1.0\n[run.a.made_from]\n"
@@ -199,33 +132,17 @@ mod tests {
             );
             assert!(error.suggestion().unwrap().contains("delete it"));
         }
-        for version in FIRST_BY_OUTPUT..=LEDGER_VERSION {
-            let text = good.replace('3', &version.to_string());
-            assert!(read(&text).is_ok(), "{text}");
+        assert!(read(good).is_ok());
+    }
+
+    #[test]
+    fn a_ledger_of_another_format_is_refused_whatever_else_it_says() {
+        for (version, help) in [(5, "use the newer program, or delete "), (3, "delete ")] {
+            let text = format!("version = {version}\nnovelty = true\n");
+            let error = read(&text).unwrap_err();
+            let said = format!("p.lock has format {version}; this program knows format 4");
+            assert!(error.to_string().contains(&said), "{error}");
+            assert!(error.suggestion().unwrap().starts_with(help), "{error:?}");
         }
-    }
-
-    #[test]
-    fn a_newer_ledger_is_refused_whatever_else_it_says() {
-        let error = read("version = 5\nnovelty = true\n").unwrap_err();
-        assert!(
-            matches!(error, PipelineError::LedgerNewer { found: 5, .. }),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn a_ledger_that_was_kept_by_stage_is_read() {
-        let digest = Manifest::default().digest();
-        let text = format!(
-            "version = 2\npipeline = 'p'\n[unfinished]\nb = ['z', 'y']\n[stage.a]\n\
-             digest = '{digest}'\nseconds = 1.0\n[stage.a.made_from]\n[stage.a.outputs]\n\
-             'o/d' = '00 in 2 files'\n'o/f' = '11'\n[stage.c]\ndigest = '{digest}'\n\
-             seconds = 1.0\n[stage.c.made_from]\n"
-        );
-        let ledger = read(&text).unwrap();
-        assert_eq!(ledger.run.keys().collect::<Vec<_>>(), ["//c", "o/d"]);
-        assert_eq!(ledger.run["o/d"].stage, "a");
-        assert_eq!(ledger.left["y"].open, ["z", "y"]);
     }
 }
