@@ -48,7 +48,6 @@ files! {
     DESIGNS_PAPER = "study_data/designs/paper.toml";
     DESIGNS_UAH_DEVELOPMENT = "study_data/designs/uah_development.toml";
     DESIGNS_UAH_TEST = "study_data/designs/uah_test.toml";
-    DESIGNS_SCHEMA = "study_data/designs/schema.json";
     MAPPINGS_COMMA2K19 = "study_data/mappings/comma2k19.toml";
     MAPPINGS_ESMINI_CSV = "study_data/mappings/esmini_csv.toml";
     MAPPINGS_EXID = "study_data/mappings/exid.toml";
@@ -98,7 +97,6 @@ files! {
     PIPELINES_OPENACC = "pipelines/openacc.toml";
     PIPELINES_PAPER = "pipelines/paper.toml";
     PIPELINES_POWER = "pipelines/power.toml";
-    PIPELINES_SCHEMA = "pipelines/schema.json";
     PIPELINES_SMOKE = "pipelines/smoke.toml";
     PIPELINES_UAH = "pipelines/uah.toml";
     PIPELINES_VALIDATE = "pipelines/validate.toml";
@@ -118,10 +116,7 @@ mod tests {
                 if !name.starts_with('.') && name != "sample" && name != "generated" {
                     list(&path, found);
                 }
-            } else if path
-                .extension()
-                .is_some_and(|e| e == "toml" || e == "json" || e == "md")
-            {
+            } else if path.extension().is_some_and(|e| e == "toml" || e == "md") {
                 let below = path
                     .strip_prefix(env!("CARGO_MANIFEST_DIR"))
                     .expect("below the project");

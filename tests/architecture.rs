@@ -31,7 +31,7 @@ fn allowed(name: &str) -> Vec<&'static str> {
         // What runs in a page knows no file and no study.
         "seat-page" => "domain measures model simulator steering",
         "seat" => "bag domain ingest model seat-page simulator study",
-        "cli" => "seat study pipeline",
+        "cli" => "domain seat study pipeline",
         // A leaf: nothing depends on it.
         "python" => {
             "cli data study report steering domain stats analysis following laws bag \
@@ -43,7 +43,7 @@ fn allowed(name: &str) -> Vec<&'static str> {
 }
 
 /// Heavy dependencies and the crates that may name them.
-const HOMES: [(&str, &[&str]); 16] = [
+const HOMES: [(&str, &[&str]); 17] = [
     ("pyo3", &["python"]),
     ("calamine", &["study"]),
     ("encoding_rs", &["study"]),
@@ -56,6 +56,7 @@ const HOMES: [(&str, &[&str]); 16] = [
     ("pulp", &["model", "following"]),
     ("clap", &["study", "cli"]),
     ("miette", &["cli"]),
+    ("schemars", &["domain"]),
     ("statrs", &["stats", "model"]),
     ("wasm-bindgen", &["seat-page"]),
     ("axum", &["seat"]),

@@ -19,6 +19,7 @@ mod paper_in_the_seat;
 mod pipeline;
 mod recovery;
 mod repeats;
+mod schemas;
 mod stats_cli;
 mod stats_designs;
 mod support;

@@ -7,7 +7,7 @@ use std::{fmt, str::FromStr};
 /// Longest id of a condition, in characters.
 const LONGEST: usize = 32;
 
-/// The id of a condition, of the baseline or of a role: a label that a study's [`Design`](crate::Design) gives a meaning.
+/// The id of a condition, of the baseline or of a role: a label that a study's design gives a meaning.
 ///
 /// It stands in file names, orders of trials and answers. Small enough to copy; ordered as text.
 ///
@@ -19,8 +19,10 @@ const LONGEST: usize = 32;
 /// assert!("far too calm".parse::<ConditionId>().is_err());
 /// # Ok::<(), maveric_domain::DomainError>(())
 /// ```
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
+#[cfg_attr(feature = "schema", schemars(extend("pattern" = "^[A-Za-z0-9_-]{1,32}$")))]
 pub struct ConditionId([u8; LONGEST]);
 
 impl ConditionId {

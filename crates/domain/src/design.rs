@@ -21,6 +21,8 @@ mod people;
 mod protocol;
 mod protocol_check;
 mod ridden;
+#[cfg(feature = "schema")]
+mod schema;
 mod tested;
 mod toml_file;
 mod validate;
@@ -44,6 +46,8 @@ pub use protocol::{
     Crash, Practice, Probe, Protocol, ProtocolStep, Redirect, SeatView, Sessions, World,
 };
 pub use protocol_check::{DRIVES_S, is_day};
+#[cfg(feature = "schema")]
+pub use schema::schema;
 pub use validate::{Asks, ValidateTable, ValidateTables};
 pub use which::WHICH;
 pub use williams::{Square, williams, williams_rows};

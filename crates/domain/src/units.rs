@@ -84,6 +84,7 @@ impl Mul<Seconds> for MetresPerSecond {
 pub const MPS_PER_MPH: f64 = 0.44704;
 
 /// In which unit people read a speed.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum SpeedUnit {
     /// Kilometres an hour.

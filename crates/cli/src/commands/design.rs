@@ -1,17 +1,18 @@
 //! `maveric design`.
 
-use super::{print_outcome, today};
+use super::{print_json, print_outcome, today};
 use crate::diagnostics::Failure;
 use maveric_study::outcome::Format;
 use maveric_study::stages::{declare, freeze, orders};
 use std::path::PathBuf;
 
-/// The study's design as the text of a preregistration; frozen, so that the page can say what differs; orders of its conditions
+/// The study's design as the text of a preregistration; frozen, so that the page can say what differs; orders of its conditions; the schema of its file
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples: maveric design describe > preregistration.md
           maveric design freeze --design my_study/study.toml
-          maveric design orders --people 24")]
+          maveric design orders --people 24
+          maveric design schema > schema.json")]
 pub(crate) struct Design {
     #[command(subcommand)]
     what: What,
@@ -25,6 +26,8 @@ enum What {
     Freeze(Args),
     /// Write a table of people with the order in which each meets the conditions, balanced by a Williams or Latin square
     Orders(WriteOrders),
+    /// Print the JSON schema of study.toml, by which an editor completes and explains its keys
+    Schema,
 }
 
 #[derive(Debug, clap::Args)]
@@ -67,6 +70,7 @@ impl Design {
                     orders::orders(a.design.as_deref(), &asked)
                 })
             }
+            What::Schema => print_json(&maveric_domain::design::schema()),
             What::Freeze(a) => {
                 let today = today();
                 print_outcome(a.format, "could not freeze the design", |_| {

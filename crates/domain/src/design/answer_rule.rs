@@ -59,6 +59,7 @@ impl Than {
 /// assert_eq!((rule.scale.as_str(), rule.item.as_deref()), ("demographics", Some("age")));
 /// assert!(rule.than.holds(18, rule.value) && !rule.than.holds(17, rule.value));
 /// ```
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct AnswerRule {

@@ -82,10 +82,11 @@ pub struct Matched {
 }
 
 /// Who may lend their style.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Donors {
-    /// The others who are tested, once [`Donors::FROM`] of them have driven; until then those whom the model learned from.
+    /// The others who are tested, once ten of them have driven; until then those whom the model learned from.
     #[default]
     Tested,
     /// Those whom the model learned from.
@@ -98,6 +99,7 @@ impl Donors {
 }
 
 /// Which way something goes.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Sign {
     /// Up.
@@ -167,6 +169,7 @@ impl fmt::Display for Color {
 }
 
 /// Who drives where the car does not.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum By {

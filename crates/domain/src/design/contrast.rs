@@ -36,6 +36,7 @@ impl Compare {
 }
 
 /// What a contrast takes of a factor.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(
     untagged,

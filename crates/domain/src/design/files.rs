@@ -4,12 +4,13 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// Paths, from the folder of the design's file.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Files {
     /// Every recording below it, whosever it is.
     pub logs: PathBuf,
-    /// What the columns of logs mean.
+    /// What the columns of logs mean: one file, or one a folder of logs.
     pub mapping: Mappings,
     /// Answers, before and after the conditions.
     pub answers: PathBuf,
@@ -18,7 +19,7 @@ pub struct Files {
     /// Which column of the answers is which item.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub columns: Option<PathBuf>,
-    /// Values of the study's own measures.
+    /// Values of the study's own measures: participant, condition, perhaps session and trial, and a column for each `[[measure]]`.
     pub measures: PathBuf,
     /// Folder of questionnaires.
     pub scales: PathBuf,
@@ -50,6 +51,7 @@ impl Default for Files {
 }
 
 /// One mapping for all logs, or one a rig.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Mappings {
@@ -66,17 +68,19 @@ impl Default for Mappings {
 }
 
 /// The mapping of one folder of logs.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RigMapping {
     /// The folder.
     pub logs: PathBuf,
-    /// What its columns mean; ours without.
+    /// Its mapping; ours without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
 }
 
 /// What wrote the answers.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Software {
@@ -132,6 +136,7 @@ pub struct ModelFile {
 }
 
 /// What becomes of the conditions that turn the dial for somebody beyond what the model has learned from.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BeyondRule {

@@ -4,6 +4,7 @@ use super::error::{Checked, refuse};
 use serde::{Deserialize, Serialize};
 
 /// What somebody drives with.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum InputDevice {
@@ -24,16 +25,20 @@ impl InputDevice {
 }
 
 /// The section `[protocol.needs]`: nobody takes part whose computer has less; a browser that draws the road is needed always.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Needs {
     /// Pictures of the road in a second, at least.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 240)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pictures_per_second: Option<f64>,
     /// Width of the window, at least, in pixels as the browser counts them.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 16384)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width_px: Option<f64>,
-    /// Height of the window, likewise.
+    /// Height of the window, at least, in pixels as the browser counts them.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 16384)))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_px: Option<f64>,
     /// With what everybody drives; left out, each person chooses.

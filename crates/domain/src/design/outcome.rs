@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 use std::{fmt, str::FromStr};
 
 /// A score: `SCALE.SUBSCALE`.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
+#[cfg_attr(feature = "schema", schemars(extend("pattern" = r"^[^.]+\.[^.]+$")))]
 pub struct ScoreName {
     /// Code name of the scale.
     pub scale: String,
@@ -52,6 +54,7 @@ pub enum Quantity {
 }
 
 /// The test of an outcome, as its design declares it.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DeclaredTest {
@@ -121,6 +124,7 @@ pub struct Style {
 }
 
 /// Which traits are set against which ratings: one family, declared before looking.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Homophily {

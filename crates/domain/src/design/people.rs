@@ -71,12 +71,13 @@ pub struct Factor {
 }
 
 /// A column of numbers of the people's table that goes along with the outcomes.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Covariate {
-    /// Its name.
+    /// A column of the people's table.
     pub column: String,
-    /// On the page, where it was given.
+    /// On the page.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
     /// The effects within people (`condition`, or factors that the conditions cross, `a:b`) whose product with it is

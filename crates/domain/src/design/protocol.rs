@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// A part of the protocol, in the order in which it comes.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ProtocolStep {
@@ -32,6 +33,7 @@ pub enum ProtocolStep {
 }
 
 /// What becomes of a drive in which the car hits another vehicle. A practice begins again either way.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Crash {
@@ -43,12 +45,14 @@ pub enum Crash {
 }
 
 /// A scale of one item that is asked again and again during a ride.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
     /// Id of the scale, which has one item.
     pub scale: String,
     /// How far apart, in s.
+    #[cfg_attr(feature = "schema", schemars(range(min = 10)))]
     pub every_s: f64,
 }
 
@@ -65,6 +69,7 @@ impl Probe {
 
 /// Which draw of the scenario a drive or a ride meets: leads and their order, times, lanes that are blocked. Practice has a draw of
 /// its own.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum World {
@@ -78,6 +83,7 @@ pub enum World {
 }
 
 /// When a person has practised enough.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Practice {
@@ -100,24 +106,30 @@ impl Default for Practice {
 }
 
 /// Several sessions of a person, each with a drive by hand and its rides. All rides have the style of the first session's drive.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sessions {
-    /// How many.
+    /// How many sessions a person has.
+    #[cfg_attr(feature = "schema", schemars(range(min = 2, max = 20)))]
     pub count: u32,
-    /// Fewest and most days from one to the next.
+    /// Fewest and most days from one session to the next.
     pub days_between: [u32; 2],
 }
 
 /// Addresses of a platform that pays, by how somebody's part ended.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Redirect {
-    /// Of who went through.
+    /// Where who went through is led back to.
+    #[cfg_attr(feature = "schema", schemars(extend("pattern" = "^https://")))]
     pub done: Option<String>,
-    /// Of who was not admitted.
+    /// Where who was not admitted is led back to.
+    #[cfg_attr(feature = "schema", schemars(extend("pattern" = "^https://")))]
     pub screened_out: Option<String>,
-    /// Of who stopped, left, or took back what was given: they are paid, too.
+    /// Where who stopped, left or took everything back is led back to: they are paid, too.
+    #[cfg_attr(feature = "schema", schemars(extend("pattern" = "^https://")))]
     pub stopped: Option<String>,
 }
 
@@ -136,6 +148,7 @@ impl Redirect {
 }
 
 /// What the person in the seat sees of the road.
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SeatView {
@@ -144,6 +157,7 @@ pub struct SeatView {
     /// Field of view of a screen from its top to its bottom, in degrees.
     pub field_deg: f64,
     /// 1, or 3 side by side that the browser sees as one.
+    #[cfg_attr(feature = "schema", schemars(extend("enum" = [1, 3])))]
     pub screens: u32,
     /// Angle between the middle of one screen and that of the next, in degrees.
     pub side_deg: f64,
@@ -181,27 +195,29 @@ impl Default for SeatView {
 /// assert_eq!(design.protocol().after, ["jian_trust"]);
 /// # Ok::<(), maveric_domain::DesignError>(())
 /// ```
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Protocol {
-    /// The parts in their order; a text that no file is named for is left out.
+    /// The parts in their order, `break` as often as it is wanted; a text that no file is named for is left out.
     pub steps: Vec<ProtocolStep>,
-    /// In which language people are spoken to, such as `en` or `de`.
+    /// In which language the seat speaks to people, such as `en` or `de`.
     pub language: String,
-    /// Languages among which the person chooses, `language` among them; none where nobody is asked.
+    /// Languages among which people choose, the study's among them; none where nobody is asked.
+    #[cfg_attr(feature = "schema", schemars(extend("uniqueItems" = true)))]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub languages: Vec<String>,
-    /// The study's own sentences in the place of the seat's, from the folder of the design's file.
+    /// File with the study's own sentences in the place of the seat's, from the folder of the design's file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub words: Option<PathBuf>,
-    /// What the computer of whoever takes part must have.
+    /// What the computer of whoever takes part must have, looked at before anybody agrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub needs: Option<Needs>,
-    /// The text of the consent, from the folder of the design's file.
+    /// File with the text of the consent, from the folder of the design's file.
     pub consent: Option<PathBuf>,
-    /// Scales by which it is judged who takes part, in this order.
+    /// Scales by which it is judged who takes part, in this order; nothing of them is kept.
     pub screen: Vec<String>,
-    /// What has to be so of the answers to them.
+    /// What has to be so of the answers to them, such as `demographics.age >= 18`.
     pub admit_if: Vec<AnswerRule>,
     /// Scales asked before the drives, in this order.
     pub before: Vec<String>,
@@ -210,7 +226,8 @@ pub struct Protocol {
     pub probe: Option<Probe>,
     /// Scales asked after each ride, in this order.
     pub after: Vec<String>,
-    /// Two conditions, one of them the own style: people are asked which of the two rides it was.
+    /// Two conditions, one of them with `car = { dial = 0 }`: after the rides people are asked which was in their own style, by the scale `which`; a
+    /// debrief has to follow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub which: Option<[ConditionId; 2]>,
     /// Scales asked at the end, in this order.
@@ -221,40 +238,46 @@ pub struct Protocol {
     pub drive_s: f64,
     /// Length of a ride, in s.
     pub ride_s: f64,
-    /// How often a person rides in each condition of a session.
+    /// How often a person rides in each condition of a session; 1 when not given.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 20)))]
     #[serde(skip_serializing_if = "is_one")]
     pub rides_per_condition: u32,
-    /// Several sessions of a person; one where none are given.
+    /// Several sessions of a person, each with a drive by hand and its rides; all rides have the style of the first session's drive. One where none
+    /// are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sessions: Option<Sessions>,
-    /// Which draw of the scenario each drive meets.
+    /// Which draw of the scenario is met: ride j of everybody in world j and the drive in world 0 (`by_ride`, the default), one draw for all rides
+    /// (`same`), or another for each person and ride (`own`).
     pub world: World,
-    /// What becomes of a drive in which the car hits another vehicle.
+    /// What becomes of a drive in which the car hits another vehicle: it ends, and nothing is heard or seen of it (`ends`, the default), or it is
+    /// heard and seen before (`felt`), which the consent has to name by `{crash}`.
     pub crash: Crash,
-    /// Shortest rest at the step `break`, in s.
+    /// Shortest rest at the step `break`, in s; 60 when not given.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 3600)))]
     pub break_s: f64,
-    /// What is seen of the road.
+    /// How the road is seen.
     pub view: SeatView,
-    /// From which answer to the probe on somebody drives and rides no further.
+    /// From which answer to the probe on somebody drives and rides no further, such as `misc >= 6`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_if: Option<AnswerRule>,
-    /// What somebody is told who stopped, from the folder of the design's file.
+    /// File with what somebody is told who stopped, from the folder of the design's file.
     pub aftercare: Option<PathBuf>,
-    /// What the study was about, told at the end, from the folder of the design's file.
+    /// File with what the study was about, told at the end, from the folder of the design's file.
     pub debrief: Option<PathBuf>,
-    /// What is said at the end, from the folder of the design's file.
+    /// File with what is said at the end, from the folder of the design's file.
     pub thanks: Option<PathBuf>,
     /// A code for the platform that pays.
     pub code: Option<String>,
-    /// How the address of whoever a platform sends names their id on it, such as `PROLIFIC_PID`.
+    /// By which name a platform puts its id into the address, such as `PROLIFIC_PID`.
+    #[cfg_attr(feature = "schema", schemars(extend("pattern" = "^[A-Za-z0-9_]{1,64}$")))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub platform: Option<String>,
-    /// Where the page leads back to at the end.
+    /// Where a button of the page leads at the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub redirect: Option<Redirect>,
     /// Whether people see their own style beside those of the others at the end.
     pub show_style: bool,
-    /// Last day on which people can take back what they gave, such as `2026-12-31`; none where they always can.
+    /// Last day on which people can take back what they gave, such as `2026-12-31`; left out, they always can.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withdraw_until: Option<String>,
     /// Root of every random choice.

@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 /// The tables about people who are left out in turn.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ValidateTables {
     /// Where the recordings come from, and how they are cited.
@@ -22,6 +23,7 @@ pub struct ValidateTables {
 
 /// The question of a table.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Asks {
     /// Is one role's drive above the others of its driver?
@@ -41,6 +43,7 @@ pub enum Asks {
 
 /// One table: a question, and the drives that answer it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ValidateTable {
     /// Its name on the page, in files and in warnings.
@@ -76,6 +79,7 @@ pub struct ValidateTable {
     /// Direction: how far the dial is turned, in points.
     pub points: Option<f64>,
     /// Direction: how many directions are drawn beside it.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub directions: Option<usize>,
 }
 

@@ -13,8 +13,7 @@ use maveric_domain::{
         ProtocolStep, ScoreName, Sign, Software,
     },
 };
-use serde_json::Value;
-use std::{collections::BTreeSet, fs, path::PathBuf};
+use std::{fs, path::PathBuf};
 
 fn id(text: &str) -> ConditionId {
     text.parse().unwrap()

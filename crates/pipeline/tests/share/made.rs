@@ -81,23 +81,6 @@ fn a_new_version_of_a_stage_runs_it_again() {
     assert_eq!(novels.run_with(State::Done), ["table"]);
 }
 
-/// Editors complete pipelines by this file; `UPDATE_SCHEMA=1` writes it anew.
-#[test]
-fn the_schema_beside_the_pipelines_is_that_of_this_version() {
-    let file = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../pipelines/schema.json"
-    ));
-    let text = serde_json::to_string_pretty(&schema()).unwrap() + "\n";
-    if std::env::var_os("UPDATE_SCHEMA").is_some() {
-        fs::write(file, &text).unwrap();
-    }
-    assert!(
-        fs::read_to_string(file).unwrap() == text,
-        "UPDATE_SCHEMA=1 cargo test writes it"
-    );
-}
-
 #[test]
 fn a_novel_that_left_the_table_of_books_is_in_no_result() {
     let novels = Novels::new();

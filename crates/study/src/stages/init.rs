@@ -221,7 +221,6 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
             "software = \"otree\" # the seat writes \"table\": then leave this and the next line out\ncolumns = \"surveys/columns.toml\""
         };
         let paper = maveric_data::DESIGNS_PAPER
-            .replace("#:schema schema.json\n", "")
             .replace("\"../scales\"", &format!("\"scales\"\n{software}"))
             .replace("../scenarios/paper.toml", "scenario.toml")
             .replace("../", "")
