@@ -28,7 +28,6 @@
 //! the script of a shell (`["sh", "-c", SCRIPT]`) a value is quoted for the shell.
 //! Unknown keys are errors.
 
-mod code;
 mod commands;
 mod fan;
 pub(crate) mod keys;
@@ -37,7 +36,6 @@ mod schema;
 mod tables;
 mod value;
 
-pub use code::NewStage;
 pub use commands::{CommandFiles, Commands};
 pub use schema::schema;
 
@@ -46,9 +44,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{PipelineError, Stage};
 use commands::add_what_is_there;
-use layers::{
-    Layer, check_added, merged_params, merged_stages, move_roots, with_layers,
-};
+use layers::{Layer, check_added, merged_params, merged_stages, move_roots, with_layers};
 use tables::{Surroundings, read_stages};
 use value::{check_name, required, string};
 

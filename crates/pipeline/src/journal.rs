@@ -8,9 +8,9 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use crate::PipelineError;
 use crate::content::hash_of;
-use crate::ledger::{Ledger, Record};
-use crate::{LEDGER_VERSION, PipelineError};
+use crate::ledger::{LEDGER_VERSION, Ledger, Record};
 
 /// Digits of a line's hash.
 const HASH_DIGITS: usize = 16;
@@ -143,9 +143,8 @@ pub(crate) fn replay(
             version,
             pipeline,
             ledger: onto,
-        }) if version == LEDGER_VERSION
-            && pipeline == ledger.pipeline
-            && onto.as_ref() == hash => {}
+        }) if version == LEDGER_VERSION && pipeline == ledger.pipeline && onto.as_ref() == hash => {
+        }
         _ => return Ok(false),
     }
     let mut any = false;

@@ -14,7 +14,7 @@ pub(crate) use open::OpenLedger;
 pub(crate) use read::{Loaded, load, load_at};
 
 /// The format that this version writes and reads.
-pub const LEDGER_VERSION: u32 = 4;
+pub(crate) const LEDGER_VERSION: u32 = 4;
 
 const HEADING: &str = "# What each stage's outputs were made from. Written at the end of a run; \
                        not meant to be edited.\n\n";

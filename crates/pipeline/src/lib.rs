@@ -47,9 +47,9 @@ pub use diff::{FileDifference, NumberDifference, RunAt, RunDifference, StageDiff
 pub use error::{CycleStep, FileProblem, PipelineError, is_held};
 pub use event::Event;
 pub use executor::end_with_run;
-pub use file::{CommandFiles, Commands, NewStage, Pipeline, Settings, schema};
+pub use file::{CommandFiles, Commands, Pipeline, Settings, schema};
 pub use graph::Graph;
-pub use ledger::{LEDGER_VERSION, Ledger, Left, Record};
+pub use ledger::{Ledger, Left, Record};
 pub use manifest::{FactKind, Manifest};
 pub use own::ASIDE;
 pub use params::parse_override;
