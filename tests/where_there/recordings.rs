@@ -64,6 +64,7 @@ fn openacc_goes_from_csv_to_the_table_of_errors() {
     let following = study.read("study_data/generated/openacc/following.json");
     assert!(following.contains("platoon10-f2"), "each driver is there");
     let page = study.read("reports/openacc/index.html");
+    assert!(page.contains("IDM, population and own time gap"));
     assert!(
         !page.contains("ynthetic participants"),
         "these people are real"
@@ -97,17 +98,15 @@ fn six_real_drivers_are_left_out_in_turn() {
 }
 
 fn ngsim_pairs_in_feet_go_to_the_same_table() {
-    let settings = "--set epochs=2 --set closed_loop_seeds=1";
+    let settings = "--set epochs=2";
     let (study, ran) = run_on("ngsim_i80_pairs", "pipelines/ngsim.toml", settings);
     tells(
         &ran.stdout,
         &[
-            "network in closed loop",
-            "harmed by personalising",
-            "Gipps",
-            "driven by default",
-            "Shrunken is the own time gap",
-            "mean of network and IDM, both shrunken",
+            "IDM, population  ",
+            "IDM, population and own time gap  ",
+            "IDM, own *  ",
+            "driven by default: IDM, population and own time gap",
         ],
     );
     let found = study.json("study_data/generated/ngsim/following.json");
@@ -119,11 +118,27 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
             .iter()
             .all(|g| g.as_f64().unwrap() < 40.0)
     );
-    let closed_loop = &found["closed_loop"]["seeds"][0];
-    for w in ["own", "shrunken", "mean"] {
-        for driver in closed_loop[w].as_array().unwrap() {
-            assert_eq!(driver["reached_zero"], false, "the safety bound holds");
-        }
+    let methods = ["idm_population", "idm_population_own_time_gap", "idm_own"];
+    // As they were before other methods were removed.
+    let before_m = [3.84, 2.25, 2.02];
+    let means = found["means"].as_array().unwrap();
+    assert_eq!(means.len(), methods.len());
+    for ((mean, method), before_m) in means.iter().zip(methods).zip(before_m) {
+        assert_eq!(mean["method"], method);
+        assert!(
+            (mean["gap_rmse_m"].as_f64().unwrap() - before_m).abs() < 0.02,
+            "{mean}"
+        );
+        assert_eq!(mean["reached_zero"], 0);
+    }
+    for driver in found["drivers"].as_array().unwrap() {
+        let time_gap_s = |at: usize| {
+            let method = &driver["methods"][at];
+            assert_eq!(method["method"], methods[at]);
+            method["law"]["time_gap_s"].as_f64().unwrap()
+        };
+        let [population, own] = [time_gap_s(0), time_gap_s(1)];
+        assert!((population - own).abs() > 1e-3, "{driver}");
     }
 }
 
@@ -158,19 +173,13 @@ fn people_are_judged_by_what_was_learned_from_others() {
             .ok();
     }
     let evaluate = "evaluate --drives judged_drives --learn learned_drives \
-                    --moving-above-mps 1 --closed-loop-seeds 1 --out following.json";
+                    --moving-above-mps 1 --out following.json";
     let ran = study.maveric(&argv(evaluate)).ok();
     tells(&ran.stdout, &["learned from 4 people"]);
     let found = study.json("following.json");
     assert_eq!(found["drivers"].as_array().unwrap().len(), 2);
-    assert_eq!(found["time_gap_shrinkage"]["people"], 4);
-    assert!(
-        found["closed_loop"]["strangers"].is_null(),
-        "all are strangers"
-    );
     assert_eq!(found["learned_from"], 4);
-    // What is driven was chosen once, on other rows, and is never chosen on those who are judged.
-    assert!(found["driven"].is_string(), "{}", found["driven"]);
+    assert_eq!(found["driven"], "idm_population_own_time_gap");
     let pair = &found["compared"][0];
     let interval = ["low_m", "mean_m", "high_m"].map(|end| pair[end].as_f64().unwrap());
     assert!(interval.is_sorted(), "{pair}");

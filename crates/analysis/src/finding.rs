@@ -61,8 +61,6 @@ pub enum Question {
     Single,
     /// Would a study of this size show what is there?
     Power,
-    /// Does what was learned follow more like the driver than a simple law?
-    Better,
     /// Does knowing the driver help?
     Personal,
     /// Does the follower stay behind its leader?
@@ -76,7 +74,7 @@ pub enum Question {
 }
 
 /// Ids of the questions that are asked once, in JSON and on pages; a hypothesis is `hypothesis-1`, and so on.
-const IDS: [(Question, &str); 29] = [
+const IDS: [(Question, &str); 28] = [
     (Question::OwnStyle, "own-style"),
     (Question::Nearer, "nearer"),
     (Question::Dial, "dial"),
@@ -100,7 +98,6 @@ const IDS: [(Question, &str); 29] = [
     (Question::Families, "families"),
     (Question::Single, "single"),
     (Question::Power, "power"),
-    (Question::Better, "better"),
     (Question::Personal, "personal"),
     (Question::Reached, "reached"),
     (Question::Order, "order"),

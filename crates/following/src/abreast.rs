@@ -1,4 +1,4 @@
-//! Many laws of one kind behind the same leader, driven abreast.
+//! Many laws behind the same leader, driven abreast.
 #![allow(
     clippy::inline_always,
     clippy::needless_range_loop,
@@ -7,9 +7,9 @@
 
 use crate::{
     closed_loop::{MAX_ACCEL_MPS2, MIN_ACCEL_MPS2},
-    law::{Gains, Gipps, Helly, Idm, Law, Newell},
     run::Stretch,
 };
+use maveric_laws::Idm;
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::Range;
 
@@ -26,16 +26,16 @@ const NUMBERS: usize = 7;
 struct Car<'a> {
     /// Place of its law among those that are driven.
     place: usize,
-    law: &'a Law,
+    law: &'a Idm,
     gap_m: f64,
     speed_mps: f64,
     /// Sum of squared errors of the gap so far, in m².
     squares: f64,
 }
 
-/// RMSE of the gap of each law (all of one kind) over the rows after the first, in m, or infinity once it must exceed the limit beside it; as
-/// [`gap_rmse_within`](crate::closed_loop::gap_rmse_within) finds it one by one.
-pub(crate) fn gap_rmse_each(stretch: &Stretch<'_>, laws: &[Law], limits_m: &[f64]) -> Vec<f64> {
+/// RMSE of the gap of each law over the rows after the first, in m, or infinity once it must exceed the limit beside it; as
+/// [`SimulationErrors`](crate::SimulationErrors) of one law after the other have it.
+pub(crate) fn gap_rmse_each(stretch: &Stretch<'_>, laws: &[Idm], limits_m: &[f64]) -> Vec<f64> {
     let n = (stretch.rows.len() - 1) as f64;
     let most = |car: &Car<'_>| limits_m[car.place].max(0.0).powi(2) * n;
     let mut cars = cars(stretch, laws);
@@ -62,8 +62,8 @@ pub(crate) fn gap_rmse_each(stretch: &Stretch<'_>, laws: &[Law], limits_m: &[f64
 }
 
 /// Sums over the rows after the first of products of errors of the gap, in m²: those of the first law, and of how far each other law's lie
-/// from them. At most [`LANES`] laws of one kind.
-pub(crate) fn products(stretch: &Stretch<'_>, laws: &[Law]) -> [Lanes; LANES] {
+/// from them. At most [`LANES`] laws.
+pub(crate) fn products(stretch: &Stretch<'_>, laws: &[Idm]) -> [Lanes; LANES] {
     let mut cars = cars(stretch, laws);
     let mut sums = [[0.0; LANES]; LANES];
     let mut room = [[0.0; LANES]; BLOCK];
@@ -79,7 +79,7 @@ pub(crate) fn products(stretch: &Stretch<'_>, laws: &[Law]) -> [Lanes; LANES] {
     sums
 }
 
-fn cars<'a>(stretch: &Stretch<'_>, laws: &'a [Law]) -> Vec<Car<'a>> {
+fn cars<'a>(stretch: &Stretch<'_>, laws: &'a [Idm]) -> Vec<Car<'a>> {
     let (columns, first) = (stretch.run.columns(), stretch.rows.start);
     let car = |(place, law)| Car {
         place,
@@ -113,41 +113,9 @@ fn drive(stretch: &Stretch<'_>, rows: Range<usize>, cars: &mut [Car<'_>], errors
         gap_m: std::array::from_fn(|l| cars[car_of(l)].gap_m),
         speed_mps: std::array::from_fn(|l| cars[car_of(l)].speed_mps),
     };
-    let kind = cars[0].law;
     Arch::new().dispatch(
         #[inline(always)]
-        || {
-            let through = Through { stretch, rows };
-            match kind {
-                Law::Newell(_) => through.by(
-                    &mut state,
-                    errors,
-                    #[inline(always)]
-                    |l, row, gap, speed, _| newell(&p, l).accel_mps2(stretch, row, gap, speed),
-                ),
-                Law::Helly(_) => through.by(
-                    &mut state,
-                    errors,
-                    #[inline(always)]
-                    |l, _, gap, speed, lead| helly(&p, l).accel_mps2(gap, speed, lead),
-                ),
-                Law::Gipps(_) => through.by(
-                    &mut state,
-                    errors,
-                    #[inline(always)]
-                    |l, _, gap, speed, lead| gipps(&p, l).accel_mps2(gap, speed, lead),
-                ),
-                Law::Idm(_) => through.by(
-                    &mut state,
-                    errors,
-                    #[inline(always)]
-                    |l, _, gap, speed, lead| {
-                        let closing_m = speed * (speed - lead) * p[6][l];
-                        idm(&p, l).accel_of_mps2(speed * p[5][l], closing_m, gap, speed)
-                    },
-                ),
-            }
-        },
+        || drive_rows(stretch, rows, &p, &mut state, errors),
     );
     for (l, car) in cars.iter_mut().enumerate() {
         (car.gap_m, car.speed_mps) = (state.gap_m[l], state.speed_mps[l]);
@@ -159,118 +127,61 @@ struct State {
     speed_mps: Lanes,
 }
 
-struct Through<'a> {
-    stretch: &'a Stretch<'a>,
+/// As [`simulate`](crate::simulate) does, every lane by its own law.
+#[inline(always)]
+fn drive_rows(
+    stretch: &Stretch<'_>,
     rows: Range<usize>,
-}
-
-impl Through<'_> {
-    /// As [`simulate`](crate::simulate) does, every lane by its own law.
-    #[inline(always)]
-    fn by(
-        self,
-        state: &mut State,
-        errors: &mut [Lanes],
-        law: impl Fn(usize, usize, f64, f64, f64) -> f64,
-    ) {
-        let columns = self.stretch.run.columns();
-        let step_s = 1.0 / self.stretch.run.rate_hz();
-        let (mut gap, mut speed) = (state.gap_m, state.speed_mps);
-        for (row, errors) in self.rows.zip(errors) {
-            let lead_mps = columns.lead_speed_mps[row - 1];
-            let leader_moved_m = columns.leader_x_m[row] - columns.leader_x_m[row - 1];
-            let recorded_m = columns.gap_m[row];
-            let (mut accel, mut next, mut moved) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-            let mut stops = false;
+    p: &[Lanes; NUMBERS],
+    state: &mut State,
+    errors: &mut [Lanes],
+) {
+    let columns = stretch.run.columns();
+    let step_s = 1.0 / stretch.run.rate_hz();
+    let (mut gap, mut speed) = (state.gap_m, state.speed_mps);
+    for (row, errors) in rows.zip(errors) {
+        let lead_mps = columns.lead_speed_mps[row - 1];
+        let leader_moved_m = columns.leader_x_m[row] - columns.leader_x_m[row - 1];
+        let recorded_m = columns.gap_m[row];
+        let (mut accel, mut next, mut moved) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut stops = false;
+        for l in 0..LANES {
+            let closing_m = speed[l] * (speed[l] - lead_mps) * p[6][l];
+            let share = speed[l] * p[5][l];
+            let wanted = idm(p, l).accel_of_mps2(share, closing_m, gap[l], speed[l]);
+            accel[l] = wanted.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
+            next[l] = speed[l] + accel[l] * step_s;
+            moved[l] = 0.5 * (speed[l] + next[l]) * step_s;
+            stops |= next[l] < 0.0;
+        }
+        if stops {
             for l in 0..LANES {
-                let wanted = law(l, row, gap[l], speed[l], lead_mps);
-                accel[l] = wanted.clamp(MIN_ACCEL_MPS2, MAX_ACCEL_MPS2);
-                next[l] = speed[l] + accel[l] * step_s;
-                moved[l] = 0.5 * (speed[l] + next[l]) * step_s;
-                stops |= next[l] < 0.0;
-            }
-            if stops {
-                for l in 0..LANES {
-                    if next[l] < 0.0 {
-                        moved[l] = speed[l] * speed[l] / (2.0 * accel[l].abs());
-                        next[l] = 0.0;
-                    }
+                if next[l] < 0.0 {
+                    moved[l] = speed[l] * speed[l] / (2.0 * accel[l].abs());
+                    next[l] = 0.0;
                 }
             }
-            for l in 0..LANES {
-                gap[l] = gap[l] + leader_moved_m - moved[l];
-                errors[l] = gap[l] - recorded_m;
-            }
-            speed = next;
         }
-        (state.gap_m, state.speed_mps) = (gap, speed);
+        for l in 0..LANES {
+            gap[l] = gap[l] + leader_moved_m - moved[l];
+            errors[l] = gap[l] - recorded_m;
+        }
+        speed = next;
     }
+    (state.gap_m, state.speed_mps) = (gap, speed);
 }
 
-/// The numbers of a law, zeros behind them; the last two of IDM are what it multiplies by in the place of a division.
-pub(crate) fn numbers(law: &Law) -> [f64; NUMBERS] {
-    match *law {
-        Law::Newell(l) => [l.delay_s, l.distance_m, 0.0, 0.0, 0.0, 0.0, 0.0],
-        Law::Helly(l) => [
-            l.gains.speed_per_s,
-            l.gains.gap_per_s2,
-            l.standstill_gap_m,
-            l.time_gap_s,
-            0.0,
-            0.0,
-            0.0,
-        ],
-        Law::Gipps(l) => [
-            l.desired_speed_mps,
-            l.reaction_s,
-            l.standstill_gap_m,
-            l.max_accel_mps2,
-            l.ego_braking_mps2,
-            l.lead_braking_mps2,
-            0.0,
-        ],
-        Law::Idm(l) => [
-            l.desired_speed_mps,
-            l.time_gap_s,
-            l.standstill_gap_m,
-            l.max_accel_mps2,
-            l.comfortable_braking_mps2,
-            1.0 / l.desired_speed_mps,
-            1.0 / l.braking_mps2(),
-        ],
-    }
-}
-
-#[inline(always)]
-fn newell(p: &[Lanes; NUMBERS], l: usize) -> Newell {
-    Newell {
-        delay_s: p[0][l],
-        distance_m: p[1][l],
-    }
-}
-
-#[inline(always)]
-fn helly(p: &[Lanes; NUMBERS], l: usize) -> Helly {
-    Helly {
-        gains: Gains {
-            speed_per_s: p[0][l],
-            gap_per_s2: p[1][l],
-        },
-        standstill_gap_m: p[2][l],
-        time_gap_s: p[3][l],
-    }
-}
-
-#[inline(always)]
-fn gipps(p: &[Lanes; NUMBERS], l: usize) -> Gipps {
-    Gipps {
-        desired_speed_mps: p[0][l],
-        reaction_s: p[1][l],
-        standstill_gap_m: p[2][l],
-        max_accel_mps2: p[3][l],
-        ego_braking_mps2: p[4][l],
-        lead_braking_mps2: p[5][l],
-    }
+/// The numbers of a law; the last two are what it multiplies by in the place of a division.
+pub(crate) fn numbers(law: &Idm) -> [f64; NUMBERS] {
+    [
+        law.desired_speed_mps,
+        law.time_gap_s,
+        law.standstill_gap_m,
+        law.max_accel_mps2,
+        law.comfortable_braking_mps2,
+        1.0 / law.desired_speed_mps,
+        1.0 / law.braking_mps2(),
+    ]
 }
 
 #[inline(always)]
@@ -333,38 +244,14 @@ impl NullaryFnOnce for AddProducts<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{closed_loop::gap_rmse_within, testing};
+    use crate::{SimulationErrors, simulate, testing};
 
-    fn kinds() -> [Vec<Law>; 4] {
-        let shares = || (0..21).map(|i| f64::from(i) / 20.0);
-        [
-            shares()
-                .map(|s| {
-                    Law::Newell(Newell {
-                        delay_s: 0.1 + 3.0 * s,
-                        distance_m: 20.0 * s,
-                    })
-                })
-                .collect(),
-            shares()
-                .map(|s| Law::constant_time_gap(0.3 + 2.5 * s))
-                .collect(),
-            shares()
-                .map(|s| {
-                    Law::Gipps(Gipps {
-                        desired_speed_mps: 35.0,
-                        reaction_s: 0.4 + s,
-                        standstill_gap_m: 3.0,
-                        max_accel_mps2: 1.6,
-                        ego_braking_mps2: 2.5,
-                        lead_braking_mps2: 2.0 + 2.0 * s,
-                    })
-                })
-                .collect(),
-            shares()
-                .map(|s| Law::Idm(testing::DRIVER.with_time_gap_s(0.3 + 2.5 * s)))
-                .collect(),
-        ]
+    /// Twenty-one drivers who differ in their time gaps alone.
+    fn laws() -> Vec<Idm> {
+        let shares = (0..21).map(|i| f64::from(i) / 20.0);
+        shares
+            .map(|share| testing::DRIVER.with_time_gap_s(0.3 + 2.5 * share))
+            .collect()
     }
 
     /// A run in which the leader stands still for a while.
@@ -375,23 +262,22 @@ mod tests {
 
     #[test]
     fn abreast_every_law_errs_as_it_does_alone() {
-        let run = stop_and_go();
-        for laws in kinds() {
-            let fit = run.fit();
-            let found = gap_rmse_each(&fit, &laws, &[f64::INFINITY; 21]);
-            for (law, found) in laws.iter().zip(found) {
-                let alone = gap_rmse_within(&fit, law.driving(&fit), f64::INFINITY).unwrap();
-                assert!(
-                    (found - alone).abs() <= 1e-9 * alone,
-                    "{law:?}: {found} {alone}"
-                );
-            }
+        let (run, laws) = (stop_and_go(), laws());
+        let fit = run.fit();
+        let found = gap_rmse_each(&fit, &laws, &[f64::INFINITY; 21]);
+        for (law, found) in laws.iter().zip(found) {
+            let alone = simulate(&fit, "", |g, v, lead| law.accel_mps2(g, v, lead)).unwrap();
+            let alone = SimulationErrors::between(&fit, &alone).gap_rmse_m;
+            assert!(
+                (found - alone).abs() <= 1e-9 * alone,
+                "{law:?}: {found} {alone}"
+            );
         }
     }
 
     #[test]
     fn who_exceeds_the_limit_is_out_and_changes_nothing_for_the_others() {
-        let (run, [.., laws]) = (stop_and_go(), kinds());
+        let (run, laws) = (stop_and_go(), laws());
         let fit = run.fit();
         let all = gap_rmse_each(&fit, &laws, &[f64::INFINITY; 21]);
         let limit = |(i, rmse): (usize, &f64)| if i % 3 == 0 { 1.01 * rmse } else { 0.99 * rmse };
@@ -407,10 +293,10 @@ mod tests {
 
     #[test]
     fn products_are_those_of_the_first_and_of_the_ways_from_it() {
-        let (run, [.., laws]) = (stop_and_go(), kinds());
+        let (run, laws) = (stop_and_go(), laws());
         let fit = run.fit();
-        let errors = |law: &Law| -> Vec<f64> {
-            let driven = crate::simulate(&fit, "", law.driving(&fit)).unwrap();
+        let errors = |law: &Idm| -> Vec<f64> {
+            let driven = simulate(&fit, "", |g, v, lead| law.accel_mps2(g, v, lead)).unwrap();
             let recorded = &run.columns().gap_m[fit.rows()];
             driven
                 .gap_m
@@ -421,7 +307,7 @@ mod tests {
                 .collect()
         };
         let first = errors(&laws[3]);
-        let way = |law: &Law| -> Vec<f64> {
+        let way = |law: &Idm| -> Vec<f64> {
             errors(law).iter().zip(&first).map(|(a, b)| a - b).collect()
         };
         let lines = [first.clone(), way(&laws[4]), way(&laws[9])];

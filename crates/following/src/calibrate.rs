@@ -1,12 +1,12 @@
-//! Fitting a law to drives, by the gap of whole closed-loop runs.
+//! Fitting IDM to drives, by the gap of whole closed-loop runs.
 
 use crate::{
     abreast::{gap_rmse_each, numbers, products},
     error::{FollowingError, enough_drivers},
-    law::{Gains, Gipps, Helly, Idm, Law, Newell},
     run::Stretch,
-    search::{Cost, LAST_DIGITS, Minimum, SearchSettings, polish, search},
+    search::{Cost, Minimum, SearchSettings, polish, search},
 };
+use maveric_laws::Idm;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -14,25 +14,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Calibrated {
     /// The law with its fitted numbers.
-    pub law: Law,
+    pub law: Idm,
     /// Its closed-loop RMSE of the gap there, the mean over people of that over the stretches of each, in m.
     pub fit_gap_rmse_m: f64,
 }
 
-/// Which numbers of a law are free, and within which bounds.
+/// Which numbers of IDM are free, and within which bounds.
 ///
 /// # Source
-/// Bounds of IDM: v0 20-50 m/s, since a wish below 20 m/s would let congestion pass for a wish to go slowly; T 0.1-4 s, s0
-/// 0.1-10 m, a 0.1-4 and b 0.1-6 m/s². Gipps alike, reaction time 0.1-3 s, expected braking of the leader 0.1-8 m/s². Helly:
-/// gains 0.01-2 1/s and 0.001-0.5 1/s², at standstill 0-10 m, slope 0.1-4 s. Newell: 0.1-4 s, 0-30 m.
+/// Bounds: v0 20-50 m/s, since a wish below 20 m/s would let congestion pass for a wish to go slowly; T 0.1-4 s, s0
+/// 0.1-10 m, a 0.1-4 and b 0.1-6 m/s².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Family {
-    /// Delay and distance.
-    Newell,
-    /// Both gains, gap at standstill and slope.
-    Helly,
-    /// All six.
-    Gipps,
     /// All five.
     Idm,
     /// The time gap alone, all else as in this law.
@@ -49,65 +42,32 @@ impl Family {
             (0.1, 6.0),
         ];
         match self {
-            Self::Newell => &[(0.1, 4.0), (0.0, 30.0)],
-            // Gains by their logarithm: soft steering (0.01 1/s²) fits some drivers best and is a sliver of the straight range.
-            Self::Helly => &[(-4.6, 0.7), (-6.9, -0.7), (0.0, 10.0), (0.1, 4.0)],
-            Self::Gipps => &[
-                (20.0, 50.0),
-                (0.1, 3.0),
-                (0.1, 10.0),
-                (0.1, 4.0),
-                (0.1, 6.0),
-                (0.1, 8.0),
-            ],
             Self::Idm => IDM,
             Self::IdmTimeGap(_) => &IDM[1..2],
         }
     }
 
-    fn law(self, p: &[f64]) -> Law {
+    fn law(self, p: &[f64]) -> Idm {
         match self {
-            Self::Newell => Law::Newell(Newell {
-                delay_s: p[0],
-                distance_m: p[1],
-            }),
-            Self::Helly => Law::Helly(Helly {
-                gains: Gains {
-                    speed_per_s: libm::exp(p[0]),
-                    gap_per_s2: libm::exp(p[1]),
-                },
-                standstill_gap_m: p[2],
-                time_gap_s: p[3],
-            }),
-            Self::Gipps => Law::Gipps(Gipps {
-                desired_speed_mps: p[0],
-                reaction_s: p[1],
-                standstill_gap_m: p[2],
-                max_accel_mps2: p[3],
-                ego_braking_mps2: p[4],
-                lead_braking_mps2: p[5],
-            }),
-            Self::Idm => Law::Idm(Idm {
+            Self::Idm => Idm {
                 desired_speed_mps: p[0],
                 time_gap_s: p[1],
                 standstill_gap_m: p[2],
                 max_accel_mps2: p[3],
                 comfortable_braking_mps2: p[4],
-            }),
-            Self::IdmTimeGap(all_else) => Law::Idm(all_else.with_time_gap_s(p[0])),
+            },
+            Self::IdmTimeGap(all_else) => all_else.with_time_gap_s(p[0]),
         }
     }
 
     /// The free numbers of a law of this family, as [`Family::law`] takes them.
-    fn numbers(self, law: Law) -> Vec<f64> {
+    fn numbers(self, law: Idm) -> Vec<f64> {
         let all_numbers = numbers(&law);
         let free = match self {
+            Self::Idm => &all_numbers[..self.bounds().len()],
             Self::IdmTimeGap(_) => &all_numbers[1..2],
-            _ => &all_numbers[..self.bounds().len()],
         };
-        let logs = if matches!(self, Self::Helly) { 2 } else { 0 };
-        let number = |(k, x): (usize, &f64)| if k < logs { libm::log(*x) } else { *x };
-        free.iter().enumerate().map(number).collect()
+        free.to_vec()
     }
 
     /// Fits the free numbers to one or more stretches, every person the same weight. Same seed, same result.
@@ -134,7 +94,7 @@ impl Family {
     /// [`FollowingError::TooFewDrivers`] without stretches.
     pub(crate) fn calibrate_from(
         self,
-        law: Law,
+        law: Idm,
         stretches: &[Stretch<'_>],
         settings: &SearchSettings,
     ) -> Result<Calibrated, FollowingError> {
@@ -148,7 +108,7 @@ impl Family {
             cost: cost.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0],
             point,
         };
-        let minimum = polish(bounds, start, settings.polishing_steps, &LAST_DIGITS, &cost);
+        let minimum = polish(bounds, start, settings.polishing_steps, &cost);
         Ok(self.calibrated(&minimum))
     }
 
@@ -197,7 +157,7 @@ impl Cost for GapError<'_> {
         let mut left: Vec<usize> = (0..points.len()).collect();
         let mut sums = vec![0.0; points.len()];
         for (stretch, share) in self.stretches.iter().zip(&self.shares) {
-            let laws: Vec<Law> = left.iter().map(|&i| self.family.law(&points[i])).collect();
+            let laws: Vec<Idm> = left.iter().map(|&i| self.family.law(&points[i])).collect();
             let most = left.iter().map(|&i| (limits[i] * count - sums[i]) / share);
             let most: Vec<f64> = most.collect();
             for (&i, rmse_m) in left.iter().zip(gap_rmse_each(stretch, &laws, &most)) {
@@ -211,7 +171,7 @@ impl Cost for GapError<'_> {
     /// An error of a stretch weighs by its share over its RMSE: so the squares add up to the mean of the RMSEs.
     fn products(&self, points: &[Vec<f64>]) -> DMatrix<f64> {
         let n = points.len();
-        let laws: Vec<Law> = points.iter().map(|p| self.family.law(p)).collect();
+        let laws: Vec<Idm> = points.iter().map(|p| self.family.law(p)).collect();
         let mut sum = DMatrix::zeros(n, n);
         for (stretch, share) in self.stretches.iter().zip(&self.shares) {
             let sums = products(stretch, &laws);
@@ -224,31 +184,12 @@ impl Cost for GapError<'_> {
     }
 }
 
-/// Fits the time gap of `all_else` to a stretch, in s.
-///
-/// # Errors
-/// None that a stretch can cause: those of [`Family::calibrate`].
-pub(crate) fn own_time_gap_s(
-    all_else: Idm,
-    stretch: &Stretch<'_>,
-    settings: &SearchSettings,
-    seed: u64,
-) -> Result<(f64, Calibrated), FollowingError> {
-    let alone = std::slice::from_ref(stretch);
-    let calibrated = Family::IdmTimeGap(all_else).calibrate(alone, settings, seed)?;
-    let time_gap_s = match calibrated.law {
-        Law::Idm(law) => law.time_gap_s,
-        _ => all_else.time_gap_s,
-    };
-    Ok((time_gap_s, calibrated))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{
-        FollowingRun, simulate,
-        testing::{self, DRIVER, driven_by_idm},
+        FollowingRun,
+        testing::{DRIVER, driven_by_idm},
     };
 
     #[test]
@@ -258,9 +199,7 @@ mod tests {
             .calibrate(&[run.fit()], &SearchSettings::default(), 1)
             .unwrap();
         assert!(found.fit_gap_rmse_m < 0.05, "{found:?}");
-        let Law::Idm(law) = found.law else {
-            panic!("{found:?}");
-        };
+        let law = found.law;
         assert!((law.time_gap_s - DRIVER.time_gap_s).abs() < 0.02);
         assert!((law.standstill_gap_m - DRIVER.standstill_gap_m).abs() < 0.2);
         assert!((law.max_accel_mps2 - DRIVER.max_accel_mps2).abs() < 0.1);
@@ -271,46 +210,18 @@ mod tests {
         let run = driven_by_idm("P01", DRIVER);
         let population = DRIVER.with_time_gap_s(2.6);
         let search = SearchSettings::default();
-        let (found, _) = own_time_gap_s(population, &run.fit(), &search, 1).unwrap();
-        assert!((found - DRIVER.time_gap_s).abs() < 1e-3);
-    }
-
-    #[test]
-    fn newell_is_recovered_from_its_own_drive() {
-        let newell = Law::Newell(Newell {
-            delay_s: 1.3,
-            distance_m: 5.0,
-        });
-        let run = testing::driven(|stretch| simulate(stretch, "newell", newell.driving(stretch)));
-        let found = Family::Newell
-            .calibrate(&[run.fit()], &SearchSettings::default(), 1)
+        let found = Family::IdmTimeGap(population)
+            .calibrate(&[run.fit()], &search, 1)
             .unwrap();
-        assert!(found.fit_gap_rmse_m < 0.05, "{found:?}");
-        assert!(matches!(found.law, Law::Newell(l) if (l.delay_s - 1.3).abs() < 0.02));
-    }
-
-    #[test]
-    fn gipps_follows_its_own_drive() {
-        let gipps = Gipps {
-            desired_speed_mps: 35.0,
-            reaction_s: 0.9,
-            standstill_gap_m: 3.0,
-            max_accel_mps2: 1.6,
-            ego_braking_mps2: 2.5,
-            lead_braking_mps2: 2.8,
-        };
-        let run = testing::driven_by("P01", |g, v, l| gipps.accel_mps2(g, v, l));
-        let found = Family::Gipps
-            .calibrate(&[run.fit()], &SearchSettings::default(), 1)
-            .unwrap();
-        assert!(found.fit_gap_rmse_m < 0.2, "{found:?}");
+        assert!((found.law.time_gap_s - DRIVER.time_gap_s).abs() < 1e-3);
+        assert_eq!(found.law.with_time_gap_s(2.6), population);
     }
 
     #[test]
     fn a_person_weighs_as_much_as_another_however_many_drives_they_have() {
         let [a, b] = [("A", 1.0), ("B", 2.4)]
             .map(|(name, seconds)| driven_by_idm(name, DRIVER.with_time_gap_s(seconds)));
-        let point = Family::Idm.numbers(Law::Idm(DRIVER));
+        let point = Family::Idm.numbers(DRIVER);
         let error = |runs: &[&FollowingRun]| {
             let fits: Vec<Stretch<'_>> = runs.iter().map(|run| run.fit()).collect();
             let error = GapError::new(Family::Idm, &fits).unwrap();
@@ -325,7 +236,7 @@ mod tests {
 
     #[test]
     fn nothing_to_fit_to_is_an_error() {
-        let found = Family::Helly.calibrate(&[], &SearchSettings::default(), 1);
+        let found = Family::Idm.calibrate(&[], &SearchSettings::default(), 1);
         assert!(found.is_err());
     }
 }

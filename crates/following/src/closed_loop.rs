@@ -20,9 +20,9 @@ pub struct ClosedLoop {
 
 /// Where ego is between two steps.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EgoState {
-    pub(super) gap_m: f64,
-    pub(super) speed_mps: f64,
+struct EgoState {
+    gap_m: f64,
+    speed_mps: f64,
 }
 
 /// Drives ego by `law` from the true gap and speed of the first row to the last, one run.
@@ -56,7 +56,11 @@ pub fn simulate(
 ) -> Result<ClosedLoop, FollowingError> {
     let mut gap_m = Vec::with_capacity(stretch.rows.len());
     let mut speed_mps = Vec::with_capacity(stretch.rows.len());
-    let mut state = start(stretch);
+    let (columns, first) = (stretch.run.columns(), stretch.rows.start);
+    let mut state = EgoState {
+        gap_m: columns.gap_m[first],
+        speed_mps: columns.ego_speed_mps[first].max(0.0),
+    };
     gap_m.push(state.gap_m);
     speed_mps.push(state.speed_mps);
     let mut reached_zero = false;
@@ -78,37 +82,6 @@ pub fn simulate(
         speed_mps,
         reached_zero,
     })
-}
-
-/// RMSE of the simulated gap over the rows after the first, in m, or `None` once it must exceed `limit_m`.
-///
-/// A law that gives NaN or infinity has no RMSE within any limit.
-pub(super) fn gap_rmse_within(
-    stretch: &Stretch<'_>,
-    mut law: impl FnMut(f64, f64, f64) -> f64,
-    limit_m: f64,
-) -> Option<f64> {
-    let recorded = &stretch.run.columns().gap_m;
-    let rows = stretch.rows.clone().skip(1);
-    let count = rows.len() as f64;
-    let most = limit_m * limit_m * count;
-    let (mut state, mut sum) = (start(stretch), 0.0);
-    for row in rows {
-        state = advance(stretch, row, state, &mut law).ok()?;
-        sum += (state.gap_m - recorded[row]).powi(2);
-        if sum > most {
-            return None;
-        }
-    }
-    Some((sum / count).sqrt())
-}
-
-fn start(stretch: &Stretch<'_>) -> EgoState {
-    let columns = stretch.run.columns();
-    EgoState {
-        gap_m: columns.gap_m[stretch.rows.start],
-        speed_mps: columns.ego_speed_mps[stretch.rows.start].max(0.0),
-    }
 }
 
 /// One step that ends at `row`; the error is a command that is no number.
@@ -194,13 +167,5 @@ mod tests {
             error,
             FollowingError::LawNotFinite { row: 20, .. }
         ));
-    }
-
-    #[test]
-    fn a_run_is_given_up_only_above_the_limit() {
-        let run = testing::behind("P01", 300, 20.0, 10.0, |_| 11.0);
-        let rmse = gap_rmse_within(&run.test(), |_, _, _| 0.0, f64::INFINITY).unwrap();
-        assert!(gap_rmse_within(&run.test(), |_, _, _| 0.0, 1.001 * rmse).is_some());
-        assert!(gap_rmse_within(&run.test(), |_, _, _| 0.0, 0.999 * rmse).is_none());
     }
 }

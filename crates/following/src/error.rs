@@ -110,28 +110,6 @@ pub enum FollowingError {
         /// Drivers needed.
         expected: usize,
     },
-    /// Drives that are not sampled alike.
-    #[error(
-        "drive `{driver}` has {found_hz} Hz, the first one {expected_hz} Hz; resample them to one rate"
-    )]
-    RatesDiffer {
-        /// The drive.
-        driver: String,
-        /// Its rate, in Hz.
-        found_hz: f64,
-        /// The first drive's, in Hz.
-        expected_hz: f64,
-    },
-    /// Distance laws that are not one for each driver.
-    #[error("{found} distance laws `{what}` for {expected} drivers")]
-    LawCount {
-        /// Which list.
-        what: &'static str,
-        /// Its length.
-        found: usize,
-        /// Number of drivers.
-        expected: usize,
-    },
     /// A setting outside its range.
     #[error("`{name}` is {found}, expected {expected}")]
     BadSetting {

@@ -1,13 +1,7 @@
 //! What an evaluation gives: tables and series, ready for a file.
 
-use crate::{
-    closed_loop_network::ClosedLoopStudy,
-    method::FollowingMethod,
-    method::Knows,
-    peers::{Peers, each_once},
-    shrinkage::Shrinkage,
-    simulation_errors::SimulationErrors,
-};
+use crate::{method::FollowingMethod, run::each_once, simulation_errors::SimulationErrors};
+use maveric_laws::Idm;
 use serde::{Deserialize, Serialize};
 
 /// One method on one driver's test rows.
@@ -15,6 +9,10 @@ use serde::{Deserialize, Serialize};
 pub struct MethodErrors {
     /// What drove in ego's place.
     pub method: FollowingMethod,
+    /// IDM with its fitted numbers.
+    pub law: Idm,
+    /// The error that the fit minimised: RMSE of the gap in closed loop over the rows that it was fitted to, in m.
+    pub fit_gap_rmse_m: f64,
     /// How far it came from the recording.
     #[serde(flatten)]
     pub errors: SimulationErrors,
@@ -96,7 +94,7 @@ pub struct DriverEvaluation {
     /// Who drove, where that is not the name of the driver.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub person: Option<String>,
-    /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
+    /// One entry per method, in the order of [`FollowingMethod::ALL`].
     pub methods: Vec<MethodErrors>,
     /// The test rows, to draw.
     pub series: TestSeries,
@@ -111,16 +109,10 @@ pub struct FollowingEvaluation {
     pub driven: FollowingMethod,
     /// One entry a run, in their order.
     pub drivers: Vec<DriverEvaluation>,
-    /// One entry a method that was tried, in the order of [`FollowingMethod::all`].
+    /// One entry per method, in the order of [`FollowingMethod::ALL`].
     pub means: Vec<MethodMean>,
     /// Pairs of methods person by person; empty unless somebody compared them.
     pub compared: Vec<Compared>,
-    /// The laws that stand beside the networks, one entry a driver.
-    pub peers: Vec<Peers>,
-    /// How much of the logarithm of an own time gap to believe.
-    pub time_gap_shrinkage: Shrinkage,
-    /// The network trained in closed loop; `None` if it was not trained.
-    pub closed_loop: Option<ClosedLoopStudy>,
 }
 
 impl FollowingEvaluation {
@@ -129,14 +121,11 @@ impl FollowingEvaluation {
         self.means.iter().find(|m| m.method == method)
     }
 
-    /// Whether a method's gap error is the least of its kind; the floor is no kind.
+    /// Whether the mean gap error of a method is the least of all.
     pub fn is_best(&self, method: FollowingMethod) -> bool {
-        let kind = self
-            .means
-            .iter()
-            .filter(|m| m.method.knows() == method.knows());
-        let best = kind.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
-        method.knows() != Knows::Test && best.is_some_and(|b| b.method == method)
+        let means = self.means.iter();
+        let best = means.min_by(|a, b| a.gap_rmse_m.total_cmp(&b.gap_rmse_m));
+        best.is_some_and(|best| best.method == method)
     }
 
     /// How many people drove.
@@ -161,18 +150,6 @@ impl FollowingEvaluation {
         let of_people = of_people.iter();
         let mean = of_people.map(|(_, d)| d.iter().sum::<f64>() / d.len() as f64);
         mean.collect()
-    }
-
-    /// The drivers whom `own` follows no better than `mean`, by the RMSE of the gap: whom personalising harms.
-    pub fn harmed(&self, own: FollowingMethod, mean: FollowingMethod) -> Vec<&str> {
-        self.drivers
-            .iter()
-            .filter(|d| match (d.gap_rmse_m(own), d.gap_rmse_m(mean)) {
-                (Some(own), Some(mean)) => own >= mean,
-                _ => false,
-            })
-            .map(|d| d.driver.as_str())
-            .collect()
     }
 }
 
@@ -233,6 +210,7 @@ pub fn median(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing;
     use FollowingMethod as M;
 
     fn errors(gap_rmse_m: f64, reached_zero: bool) -> SimulationErrors {
@@ -248,6 +226,8 @@ mod tests {
     fn driver(name: &str, methods: &[(M, f64, bool)]) -> DriverEvaluation {
         let one = |&(method, gap, zero): &(M, f64, bool)| MethodErrors {
             method,
+            law: testing::DRIVER,
+            fit_gap_rmse_m: gap,
             errors: errors(gap, zero),
         };
         DriverEvaluation {
@@ -269,46 +249,33 @@ mod tests {
             driver(
                 "A",
                 &[
-                    (M::IdmOwn, 2.0, false),
-                    (M::HellyOwn, 3.0, false),
                     (M::IdmPopulation, 2.5, false),
-                    (M::IdmFloor, 0.5, false),
+                    (M::IdmPopulationOwnTimeGap, 3.0, false),
+                    (M::IdmOwn, 2.0, false),
                 ],
             ),
             driver(
                 "B",
                 &[
-                    (M::IdmOwn, 4.0, true),
-                    (M::HellyOwn, 3.0, false),
                     (M::IdmPopulation, 4.0, false),
-                    (M::IdmFloor, 0.5, false),
+                    (M::IdmPopulationOwnTimeGap, 3.0, false),
+                    (M::IdmOwn, 4.0, true),
                 ],
             ),
             driver(
                 "C",
-                &[(M::IdmOwn, 12.0, true), (M::IdmPopulation, 3.0, false)],
+                &[(M::IdmPopulation, 3.0, false), (M::IdmOwn, 12.0, true)],
             ),
         ];
-        let all = [M::HellyOwn, M::IdmOwn, M::IdmPopulation, M::IdmFloor];
         FollowingEvaluation {
             learned_from: 3,
-            driven: FollowingMethod::IdmOwn,
-            means: all
+            driven: M::DRIVEN_BY_DEFAULT,
+            means: M::ALL
                 .iter()
                 .filter_map(|m| MethodMean::over(*m, &drivers))
                 .collect(),
             drivers,
             compared: Vec::new(),
-            peers: Vec::new(),
-            time_gap_shrinkage: Shrinkage {
-                people: 3,
-                half_s: 1.0,
-                within: 0.0,
-                between: 0.0,
-                strength_s: None,
-                most: 0.0,
-            },
-            closed_loop: None,
         }
     }
 
@@ -323,28 +290,29 @@ mod tests {
         near(mean.nrmse, 0.6);
         near(mean.mixed, 1.2);
         assert_eq!((mean.reached_zero, mean.drivers), (2, 3));
-        let helly = found.mean(M::HellyOwn).unwrap();
-        near(helly.gap_rmse_m, 3.0);
-        assert_eq!((helly.reached_zero, helly.drivers), (0, 2));
-        assert_eq!(found.mean(M::GippsOwn), None);
+        let time_gap = found.mean(M::IdmPopulationOwnTimeGap).unwrap();
+        near(time_gap.gap_rmse_m, 3.0);
+        assert_eq!((time_gap.reached_zero, time_gap.drivers), (0, 2));
+        assert_eq!(MethodMean::over(M::IdmOwn, &[]), None);
     }
 
     #[test]
-    fn the_best_of_a_kind_has_the_least_error_and_the_floor_is_none() {
-        let found = evaluation();
-        assert!(found.is_best(M::HellyOwn) && !found.is_best(M::IdmOwn));
-        assert!(found.is_best(M::IdmPopulation), "alone of its kind");
-        assert!(!found.is_best(M::IdmFloor) && !found.is_best(M::GippsOwn));
+    fn is_best_is_the_method_with_the_least_mean() {
+        let mut found = evaluation();
+        // 3.0 m, and 9.5 / 3 m and 6.0 m.
+        assert!(found.is_best(M::IdmPopulationOwnTimeGap));
+        assert!(!found.is_best(M::IdmPopulation) && !found.is_best(M::IdmOwn));
+        found.means.remove(1);
+        assert!(found.is_best(M::IdmPopulation));
+        assert!(!found.is_best(M::IdmPopulationOwnTimeGap));
     }
 
     #[test]
-    fn differences_and_harm_are_driver_by_driver_where_both_were_tried() {
+    fn differences_are_driver_by_driver_where_both_were_tried() {
         let found = evaluation();
-        assert_eq!(found.differences_m(M::IdmOwn, M::HellyOwn), [-1.0, 1.0]);
-        assert_eq!(found.differences_m(M::IdmOwn, M::GippsOwn), [0.0; 0]);
-        // No better is harm too.
-        assert_eq!(found.harmed(M::IdmOwn, M::IdmPopulation), ["B", "C"]);
-        assert_eq!(found.harmed(M::IdmOwn, M::HellyOwn), ["B"]);
+        let time_gap = M::IdmPopulationOwnTimeGap;
+        assert_eq!(found.differences_m(M::IdmOwn, time_gap), [-1.0, 1.0]);
+        assert_eq!(found.differences_m(time_gap, M::IdmOwn), [1.0, -1.0]);
     }
 
     #[test]
@@ -353,7 +321,8 @@ mod tests {
         assert_eq!(found.people(), 3);
         found.drivers[1].person = Some("A".to_owned());
         assert_eq!(found.people(), 2);
-        assert_eq!(found.differences_m(M::IdmOwn, M::HellyOwn), [0.0]);
+        let time_gap = M::IdmPopulationOwnTimeGap;
+        assert_eq!(found.differences_m(M::IdmOwn, time_gap), [0.0]);
         assert_eq!(
             found.differences_m(M::IdmOwn, M::IdmPopulation),
             [-0.25, 9.0]

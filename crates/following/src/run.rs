@@ -147,32 +147,24 @@ impl FollowingRun {
         Stretch { run: self, rows }
     }
 
-    /// The driver's rows as a run of their own: what can be tried before the test.
-    ///
-    /// # Errors
-    /// [`FollowingError::TooShort`] where fewer than four rows are left.
-    pub fn fit_alone(&self) -> Result<Self, FollowingError> {
-        let (c, end) = (&self.columns, self.test_start());
-        let columns = FollowingColumns {
-            time_s: c.time_s[..end].to_vec(),
-            leader_x_m: c.leader_x_m[..end].to_vec(),
-            lead_speed_mps: c.lead_speed_mps[..end].to_vec(),
-            ego_speed_mps: c.ego_speed_mps[..end].to_vec(),
-            gap_m: c.gap_m[..end].to_vec(),
-        };
-        let run = Self::new(self.driver.clone(), self.rate_hz, columns)?;
-        Ok(run.of_person(self.person.clone()))
-    }
-
     /// The rest.
     pub fn test(&self) -> Stretch<'_> {
         let rows = self.test_start()..self.rows();
         Stretch { run: self, rows }
     }
 
-    /// Whether both halves of the fit rows, and of the fit rows of those, have two rows.
-    pub(crate) fn long_enough(&self) -> Result<(), FollowingError> {
-        self.at_least(9)
+    /// Checks that there are nine rows, so that the fit rows have as many errors of the gap as IDM has numbers, and that ego
+    /// exceeds `above_mps` (m/s) in the fit rows.
+    pub(crate) fn check_fit(&self, above_mps: f64) -> Result<(), FollowingError> {
+        self.at_least(9)?;
+        let fit = &self.columns.ego_speed_mps[..self.test_start()];
+        if fit.iter().any(|speed| *speed > above_mps) {
+            return Ok(());
+        }
+        Err(FollowingError::NeverMoves {
+            driver: self.driver.clone(),
+            above_mps,
+        })
     }
 
     fn at_least(&self, expected: usize) -> Result<(), FollowingError> {
@@ -238,45 +230,26 @@ impl FollowingRun {
 }
 
 impl Stretch<'_> {
-    /// Its first half and its second.
-    pub fn halves(&self) -> [Self; 2] {
-        let middle = self.rows.start + self.rows.len() / 2;
-        [self.rows.start..middle, middle..self.rows.end].map(|rows| Self {
-            run: self.run,
-            rows,
-        })
-    }
-
-    /// How long it lasts, in s.
-    pub fn seconds(&self) -> f64 {
-        self.rows.len() as f64 / self.run.rate_hz
-    }
-
     /// Rows of the run that it covers.
     pub fn rows(&self) -> Range<usize> {
         self.rows.clone()
     }
+}
 
-    /// Mean time gap, gap over ego speed, over the rows above `above_mps` (m/s), in s.
-    ///
-    /// # Errors
-    /// [`FollowingError::NeverMoves`] if there is no such row: standstill has no time gap.
-    pub fn mean_time_gap_s(&self, above_mps: f64) -> Result<f64, FollowingError> {
-        let c = &self.run.columns;
-        let (mut sum, mut count) = (0.0, 0_usize);
-        for row in self.rows.clone() {
-            let speed = c.ego_speed_mps[row];
-            if speed > above_mps {
-                sum += c.gap_m[row] / speed;
-                count += 1;
-            }
+/// The people who drove, each once, in the order of their first drives.
+pub(crate) fn people(runs: &[FollowingRun]) -> Vec<&str> {
+    each_once(runs.iter().map(FollowingRun::person))
+}
+
+/// Names, each once, in the order in which they come first.
+pub(crate) fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut met: Vec<&str> = Vec::new();
+    for name in names {
+        if !met.contains(&name) {
+            met.push(name);
         }
-        if count == 0 {
-            let driver = self.run.driver.clone();
-            return Err(FollowingError::NeverMoves { driver, above_mps });
-        }
-        Ok(sum / count as f64)
     }
+    met
 }
 
 #[cfg(test)]
@@ -321,19 +294,12 @@ mod tests {
         let run = FollowingRun::new("P01", 10.0, columns()).unwrap();
         assert_eq!(run.fit().rows(), 0..6);
         assert_eq!(run.test().rows(), 6..10);
-        let halves = run.test().halves();
-        assert_eq!([halves[0].rows(), halves[1].rows()], [6..8, 8..10]);
-        assert!((run.test().seconds() - 0.4).abs() < 1e-12);
-        let alone = run.fit_alone().unwrap();
-        assert_eq!(alone.columns().time_s, run.columns().time_s[..6]);
-        assert_eq!(alone.test().rows(), 4..6);
     }
 
     #[test]
     fn a_drive_gives_the_gap_and_a_leader_ahead_by_it() {
         let run = FollowingRun::from_drive(&drive(30)).unwrap();
         assert_eq!((run.driver(), run.person()), ("P01-own", "P01"));
-        assert_eq!(run.fit_alone().unwrap().person(), "P01");
         assert!((run.columns().gap_m[3] - 20.0).abs() < 1e-12);
         assert!((run.columns().leader_x_m[3] - 23.0).abs() < 1e-12);
     }
@@ -349,14 +315,19 @@ mod tests {
     }
 
     #[test]
-    fn standstill_has_no_time_gap() {
+    fn check_fit_refuses_few_rows_and_standstill() {
         let mut columns = columns();
-        columns.ego_speed_mps[..3].fill(0.5);
+        columns.ego_speed_mps[..5].fill(0.5);
+        let run = FollowingRun::new("P01", 10.0, columns.clone()).unwrap();
+        assert_eq!(run.check_fit(2.0), Ok(()));
+        // The test rows move, the fit rows do not.
+        columns.ego_speed_mps[5] = 2.0;
         let run = FollowingRun::new("P01", 10.0, columns).unwrap();
-        assert!((run.fit().mean_time_gap_s(2.0).unwrap() - 2.0).abs() < 1e-12);
+        assert!(matches!(run.check_fit(2.0), Err(E::NeverMoves { .. })));
+        let eight = testing::behind("P01", 8, 20.0, 10.0, |_| 10.0);
         assert!(matches!(
-            run.fit().mean_time_gap_s(20.0),
-            Err(E::NeverMoves { .. })
+            eight.check_fit(2.0),
+            Err(E::TooShort { expected: 9, .. })
         ));
     }
 

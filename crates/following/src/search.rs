@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
 
 /// How thoroughly to search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -55,13 +56,7 @@ pub(crate) fn search(
     cost: &impl Cost,
 ) -> Minimum {
     let minimum = minimise(bounds, settings, seed, cost);
-    polish(
-        bounds,
-        minimum,
-        settings.polishing_steps,
-        &LAST_DIGITS,
-        cost,
-    )
+    polish(bounds, minimum, settings.polishing_steps, cost)
 }
 
 /// Probability that a trial takes a coordinate from the mutant.
@@ -154,22 +149,12 @@ fn three_others(rng: &mut Pcg64, members: usize, target: usize) -> [usize; 3] {
     chosen
 }
 
-/// How [`polish`] goes down.
-pub(crate) struct Descent {
-    /// How far coordinates are moved to see what the errors do, as a share of their range.
-    pub(crate) displaced: f64,
-    /// Gain, as a share of the cost, that is none.
-    pub(crate) closed: f64,
-    /// Decades of damping that are tried at once, from next to none to next to no step.
-    pub(crate) damping: &'static [i32],
-}
-
-/// The last digits of what a search found.
-pub(crate) const LAST_DIGITS: Descent = Descent {
-    displaced: 1e-6,
-    closed: 1e-7,
-    damping: &[-7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8],
-};
+/// How far [`polish`] moves coordinates to see what the errors do, as a share of their range.
+const DISPLACED: f64 = 1e-6;
+/// Gain of a step, as a share of the cost, that is none.
+const CLOSED: f64 = 1e-7;
+/// Decades of damping that are tried at once, from next to none to next to no step.
+const DAMPING: RangeInclusive<i32> = -7..=8;
 
 /// Goes down from `start` within `bounds` in at most `steps` steps. Never worse than `start`.
 ///
@@ -179,12 +164,11 @@ pub(crate) fn polish(
     bounds: &[(f64, f64)],
     start: Minimum,
     steps: usize,
-    how: &Descent,
     cost: &impl Cost,
 ) -> Minimum {
     let mut best_yet = start;
     for _ in 0..steps {
-        let candidates = steps_down(bounds, &best_yet.point, how, cost);
+        let candidates = steps_down(bounds, &best_yet.point, cost);
         let costs = cost.costs(&candidates, &vec![best_yet.cost; candidates.len()]);
         let Some(best) = (!costs.is_empty()).then(|| lowest_index(&costs)) else {
             break;
@@ -196,7 +180,7 @@ pub(crate) fn polish(
                 cost: costs[best],
             };
         }
-        if gained.is_nan() || gained <= how.closed * best_yet.cost.abs() {
+        if gained.is_nan() || gained <= CLOSED * best_yet.cost.abs() {
             break;
         }
     }
@@ -204,17 +188,12 @@ pub(crate) fn polish(
 }
 
 /// Where steps of every damping lead.
-fn steps_down(
-    bounds: &[(f64, f64)],
-    point: &[f64],
-    how: &Descent,
-    cost: &impl Cost,
-) -> Vec<Vec<f64>> {
+fn steps_down(bounds: &[(f64, f64)], point: &[f64], cost: &impl Cost) -> Vec<Vec<f64>> {
     let ranges: Vec<f64> = bounds.iter().map(|(low, high)| high - low).collect();
     // Inwards, where the range ends.
     let by = |i: usize| {
-        let ends = point[i] + how.displaced * ranges[i] > bounds[i].1;
-        if ends { -how.displaced } else { how.displaced }
+        let ends = point[i] + DISPLACED * ranges[i] > bounds[i].1;
+        if ends { -DISPLACED } else { DISPLACED }
     };
     let mut points = vec![point.to_vec()];
     points.extend((0..point.len()).map(|i| {
@@ -238,10 +217,10 @@ fn steps_down(
     });
     let down = DVector::from_fn(n, |a, _| -slope(free[a]));
     let least = 1e-12 * bend.trace();
-    let step = |decade: &i32| {
+    let step = |decade: i32| {
         let mut damped = bend.clone();
         for a in 0..n {
-            damped[(a, a)] += libm::pow(10.0, f64::from(*decade)) * bend[(a, a)] + least;
+            damped[(a, a)] += libm::pow(10.0, f64::from(decade)) * bend[(a, a)] + least;
         }
         let step = damped.cholesky()?.solve(&down);
         let mut there = point.to_vec();
@@ -250,7 +229,7 @@ fn steps_down(
         }
         Some(there)
     };
-    how.damping.iter().filter_map(step).collect()
+    DAMPING.filter_map(step).collect()
 }
 
 #[cfg(test)]
@@ -354,13 +333,7 @@ mod tests {
             point: vec![-1.2, 1.0],
             cost: 24.2,
         };
-        let found = polish(
-            &[(-2.0, 2.0), (-2.0, 2.0)],
-            start,
-            400,
-            &LAST_DIGITS,
-            &rosenbrock,
-        );
+        let found = polish(&[(-2.0, 2.0), (-2.0, 2.0)], start, 400, &rosenbrock);
         assert!((found.point[0] - 1.0).abs() < 1e-3, "{found:?}");
     }
 
@@ -371,7 +344,7 @@ mod tests {
             point: vec![1.0, 4.0],
             cost: 64.0 + 8.41,
         };
-        let found = polish(&[(0.0, 5.0), (0.0, 5.0)], start, 100, &LAST_DIGITS, &cost);
+        let found = polish(&[(0.0, 5.0), (0.0, 5.0)], start, 100, &cost);
         assert!((found.point[0] - 5.0).abs() < 1e-9, "{found:?}");
         assert!((found.point[1] - 1.5).abs() < 1e-6, "{found:?}");
     }

@@ -1,8 +1,7 @@
 //! Made-up runs for the tests of this crate.
 
 use crate::{
-    closed_loop::{ClosedLoop, simulate},
-    error::FollowingError,
+    closed_loop::simulate,
     run::{FollowingColumns, FollowingRun, Stretch},
 };
 use maveric_laws::Idm;
@@ -44,32 +43,19 @@ pub(super) fn behind(
     FollowingRun::new(driver, RATE_HZ, columns).unwrap()
 }
 
-/// [`driven_by`] an IDM driver.
+/// 150 s of what an IDM driver makes of a leader that keeps changing its speed between 3 and 29 m/s.
 pub(super) fn driven_by_idm(driver: &str, law: Idm) -> FollowingRun {
-    driven_by(driver, |g, v, l| law.accel_mps2(g, v, l))
-}
-
-/// [`driven`] by a law without memory.
-pub(super) fn driven_by(driver: &str, law: impl FnMut(f64, f64, f64) -> f64) -> FollowingRun {
-    let run = driven(|stretch| simulate(stretch, "made up", law));
-    FollowingRun::new(driver, RATE_HZ, run.columns().clone()).unwrap()
-}
-
-/// 150 s of what `drive` makes of a leader that keeps changing its speed between 3 and 29 m/s.
-pub(super) fn driven(
-    drive: impl FnOnce(&Stretch<'_>) -> Result<ClosedLoop, FollowingError>,
-) -> FollowingRun {
     let lead = |t: f64| 16.0 + 9.0 * (t / 11.0).sin() + 4.0 * (t / 4.3).sin();
-    let blank = behind("P01", 1500, 30.0, 15.0, lead);
+    let blank = behind(driver, 1500, 30.0, 15.0, lead);
     let whole = Stretch {
         run: &blank,
         rows: 0..blank.rows(),
     };
-    let driven = drive(&whole).unwrap();
+    let driven = simulate(&whole, "idm", |g, v, lead| law.accel_mps2(g, v, lead)).unwrap();
     let columns = FollowingColumns {
         gap_m: driven.gap_m,
         ego_speed_mps: driven.speed_mps,
         ..blank.columns().clone()
     };
-    FollowingRun::new("P01", RATE_HZ, columns).unwrap()
+    FollowingRun::new(driver, RATE_HZ, columns).unwrap()
 }

@@ -8,61 +8,44 @@ use super::prelude::*;
 pub enum Follower {
     /// The recording itself.
     Recorded,
-    /// The network with the driver's own embedding.
-    Model,
-    /// The network with the mean embedding of the training drivers.
-    MeanEmbedding,
-    /// The network trained in closed loop, with the driver's own embedding shrunken towards the mean one.
-    ClosedLoop,
-    /// The same with the mean embedding.
-    ClosedLoopMean,
+    /// IDM calibrated to the other people.
+    IdmPopulation,
+    /// The same with the driver's own time gap.
+    IdmOwnTimeGap,
     /// IDM calibrated to this driver.
     Idm,
-    /// IDM calibrated to the test rows themselves: no prediction.
-    Floor,
-    /// A constant time gap, the driver's own mean.
-    ConstantTimeGap,
 }
 
 impl Follower {
     pub(crate) fn label(self) -> &'static str {
         match self {
             Self::Recorded => "recorded",
-            Self::Model => "F, own embedding",
-            Self::MeanEmbedding => "F, mean embedding",
-            Self::ClosedLoop => "network in closed loop, shrunken",
-            Self::ClosedLoopMean => "network in closed loop, mean",
+            Self::IdmPopulation => "IDM, population",
+            Self::IdmOwnTimeGap => "IDM, own time gap",
             Self::Idm => "IDM, own",
-            Self::Floor => "floor",
-            Self::ConstantTimeGap => "constant time gap, own",
         }
     }
 
     pub(crate) fn colour(self) -> RGBColor {
         match self {
             Self::Recorded => INK,
-            Self::Model => PURPLE,
-            Self::MeanEmbedding => GREY,
-            Self::ClosedLoop | Self::ClosedLoopMean => GREEN,
+            Self::IdmPopulation => GREY,
+            Self::IdmOwnTimeGap => GREEN,
             Self::Idm => BLUE,
-            Self::Floor => MUTED,
-            Self::ConstantTimeGap => OCHRE,
         }
     }
 
     pub(crate) fn marker(self) -> Marker {
         match self {
-            Self::Recorded | Self::ClosedLoop | Self::Floor => Marker::Circle,
-            Self::Model => Marker::Square,
-            Self::MeanEmbedding => Marker::Diamond,
-            Self::ClosedLoopMean | Self::ConstantTimeGap => Marker::TriangleDown,
+            Self::Recorded | Self::IdmOwnTimeGap => Marker::Circle,
+            Self::IdmPopulation => Marker::Diamond,
             Self::Idm => Marker::TriangleUp,
         }
     }
 
     /// The pen of a short line across a driver's row, for what the points are held against.
     pub(crate) fn mark(self) -> Option<Pen> {
-        matches!(self, Self::Idm | Self::Floor).then(|| Pen::new(self.colour(), 1.4))
+        (self == Self::IdmPopulation).then(|| Pen::new(self.colour(), 1.4))
     }
 
     /// What stands for it in a legend of marks, and its name.
@@ -75,14 +58,9 @@ impl Follower {
         match self {
             // Dark and thick beside the strong green: told apart without colour.
             Self::Recorded => Pen::new(self.colour(), 1.8),
-            Self::Model => Pen::new(self.colour(), stroke::STRONG).dashed(8.0, 1.5),
-            Self::ClosedLoop => Pen::new(self.colour(), stroke::STRONG),
-            Self::MeanEmbedding | Self::ClosedLoopMean => {
-                Pen::new(self.colour(), 0.8).dashed(1.2, 1.5)
-            }
+            Self::IdmOwnTimeGap => Pen::new(self.colour(), stroke::STRONG),
+            Self::IdmPopulation => Pen::new(self.colour(), 0.8).dashed(1.2, 1.5),
             Self::Idm => Pen::new(self.colour(), 0.8).dashed(4.0, 2.0),
-            Self::Floor => Pen::new(self.colour(), 0.8).dashed(1.2, 2.5),
-            Self::ConstantTimeGap => Pen::new(self.colour(), 0.8).dashed(2.0, 1.5),
         }
     }
 }

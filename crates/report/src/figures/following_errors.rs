@@ -61,7 +61,7 @@ fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
     } else {
         (
             58.0 + 10.0 * (models / 3.0).ceil() + ROW * (input.drivers.len() + 1) as f64,
-            "Points are networks, short lines what they are held against, above each other where they would meet",
+            "Points know the driver, the short line is the same for everybody; points are above each other where they would meet",
         )
     };
     let means = input.models.iter().filter_map(|model| {
@@ -74,7 +74,7 @@ fn plan(input: &FollowingErrors, crowd: bool) -> Plan {
         title: "Error of the gap in closed loop, by drive".to_owned(),
         caption: format!(
             "{}: root-mean-square error of the gap over the unseen last third of each drive, in \
-             closed loop. {shown}; the floor was fitted to that third itself. *n* = {} drives, each with \
+             closed loop. {shown}. *n* = {} drives, each with \
              the same weight in the mean; no test.",
             markup::literal(&input.data_set),
             input.drivers.len()
@@ -150,7 +150,7 @@ mod tests {
             data_set: "x".into(),
             drivers: vec!["a".into(), "b".into()],
             models: vec![ModelErrors {
-                model: Follower::Model,
+                model: Follower::Idm,
                 gap_rmse_m: vec![1.0],
             }],
         };

@@ -10,25 +10,23 @@ use crate::{
     error::StudyError,
     judged::Judged,
     outcome::{Outcome, Watch},
-    run_folder::read_model,
     stage::{Files, Stage},
-    tables::{drives::read_drives, embeddings::read_embeddings},
+    tables::drives::read_drives,
 };
 use maveric_following::{
-    DistanceLaw, Distances, FollowingEvaluation, FollowingRun, FollowingSettings,
-    evaluate as evaluate_following,
+    FollowingEvaluation, FollowingRun, FollowingSettings, evaluate as evaluate_following,
 };
-use maveric_model::Predictor;
 use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
-/// Predict each drive's unseen last third in closed loop, beside car-following models
+/// Compare three fits of IDM on each drive's unseen last third
 ///
-/// Trains a network through its own simulated following, calibrates constant time gap, Newell, Helly, Gipps and IDM to the first
-/// two thirds, drives by them and by F of a model, and prints the whole table.
+/// Fits the Intelligent Driver Model (IDM) to the first two thirds of drives: to the other people, with the driver's own time
+/// gap, and with all parameters of the driver. Simulates the last third behind the recorded leader and prints the errors.
 #[derive(Debug, Clone, clap::Args)]
 #[command(
-    after_help = "Examples: maveric evaluate --drives drives --model model.maveric --embeddings embeddings.csv --out following.json\n          \
+    after_help = "Examples: maveric evaluate --drives drives --out following.json
+          \
                   maveric evaluate --drives drives --learn other_drives --out following.json"
 )]
 pub struct Evaluate {
@@ -38,24 +36,15 @@ pub struct Evaluate {
     /// Folder of drives to learn from instead: their first two thirds; who is in both is judged by the others
     #[arg(long)]
     pub learn: Option<PathBuf>,
-    /// Trained model, for F; left out without it
-    #[arg(long, requires = "embeddings")]
-    pub model: Option<PathBuf>,
-    /// Embeddings fitted to the first two thirds of the drives
-    #[arg(long, requires = "model")]
-    pub embeddings: Option<PathBuf>,
     /// Results to write (JSON)
     #[arg(long)]
     pub out: PathBuf,
     /// Root of every random choice
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Ego speed above which a row has a time gap, in m/s (1 in dense traffic)
+    /// Ego speed that a driver must exceed to have a time gap, in m/s (1 in dense traffic)
     #[arg(long, default_value_t = 2.0)]
     pub moving_above_mps: f64,
-    /// From how many seeds to train the network in closed loop; 0 leaves it out
-    #[arg(long, default_value_t = 5)]
-    pub closed_loop_seeds: usize,
 }
 
 impl Stage for Evaluate {
@@ -67,15 +56,12 @@ impl Stage for Evaluate {
         Ok(Files::default()
             .reads([&self.drives])
             .reads(&self.learn)
-            .reads(&self.model)
-            .reads(&self.embeddings)
             .writes([&self.out]))
     }
 
-    /// Simulates every driver's last third behind the recorded leader: by a network that is trained here through its own simulated
-    /// following, by laws that are fitted here, and by F of a model.
+    /// Fits the laws and simulates every driver's last third behind the recorded leader.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<FollowingEvaluation>, StudyError> {
-        watch.step(0, 2, "laws and networks")?;
+        watch.step(0, 2, "laws")?;
         let judged = read_runs(&self.drives)?;
         let learned = match &self.learn {
             Some(folder) => read_runs(folder)?,
@@ -84,14 +70,9 @@ impl Stage for Evaluate {
         let settings = FollowingSettings {
             seed: self.seed,
             moving_above_mps: self.moving_above_mps,
-            closed_loop_seeds: self.closed_loop_seeds,
             ..FollowingSettings::default()
         };
-        let model = self.model.as_ref().zip(self.embeddings.as_ref());
-        let f = model
-            .map(|(model, embeddings)| read_distances(model, embeddings, &judged))
-            .transpose()?;
-        let mut evaluation = evaluate_following(&judged, &learned, f.as_ref(), &settings)?;
+        let mut evaluation = evaluate_following(&judged, &learned, &settings)?;
         watch.step(1, 2, "comparing")?;
         evaluation.compared = compare::pairs(&evaluation, self.seed)?;
         let with_findings = Judged {
@@ -115,39 +96,4 @@ fn read_runs(folder: &Path) -> Result<Vec<FollowingRun>, StudyError> {
     let drives = read_drives(folder)?;
     let runs = drives.iter().map(FollowingRun::from_drive);
     Ok(runs.collect::<Result<_, _>>()?)
-}
-
-/// F of each driver with the own and with the mean embedding.
-fn read_distances(
-    model_file: &Path,
-    embeddings_file: &Path,
-    judged: &[FollowingRun],
-) -> Result<Distances<'static>, StudyError> {
-    let model = read_model(model_file)?;
-    if !model.paper()?.learned().following_distance {
-        return Err(StudyError::file(
-            model_file,
-            "learned no following distance: its drives had no following rows",
-        ));
-    }
-    let embeddings = read_embeddings(embeddings_file)?;
-    let by = |predictor: Predictor| -> DistanceLaw<'static> {
-        Box::new(move |speed| predictor.following_distance(speed))
-    };
-    let mean = Predictor::new(&model, model.mean_embedding())?;
-    let own_laws = judged
-        .iter()
-        .map(|run| {
-            let id = run.driver();
-            let row = embeddings.iter().find(|e| e.drive.as_str() == id);
-            let row = row.ok_or_else(|| {
-                StudyError::file(embeddings_file, format!("has no embedding of drive `{id}`"))
-            })?;
-            Ok(by(Predictor::new(&model, &row.embedding)?))
-        })
-        .collect::<Result<_, StudyError>>()?;
-    Ok(Distances {
-        own: own_laws,
-        mean: judged.iter().map(|_| by(mean.clone())).collect(),
-    })
 }

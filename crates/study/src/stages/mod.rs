@@ -47,7 +47,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("simulate", 11),
         ("measure", 8),
         ("rate", 5),
-        ("evaluate", 11),
+        ("evaluate", 12),
         ("stats", 19),
         ("ablate", 11),
         ("validate", 16),

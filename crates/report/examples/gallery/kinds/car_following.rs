@@ -23,9 +23,9 @@ pub(crate) fn input() -> CarFollowing {
         time_s: (0..rows).map(|i| 800.0 + i as f64 * 0.1).collect(),
         series: vec![
             series(Follower::Recorded, 0.0, 0.0),
-            series(Follower::Model, 1.0, 1.5),
+            series(Follower::IdmOwnTimeGap, 1.0, 1.5),
             series(Follower::Idm, 2.0, 3.0),
-            series(Follower::ConstantTimeGap, 3.0, 6.0),
+            series(Follower::IdmPopulation, 3.0, 6.0),
         ],
     }
 }

@@ -1,4 +1,4 @@
-//! Errors of four models on six drivers.
+//! Errors of three models on six drivers.
 
 use super::wobble;
 use maveric_report::figures::car_following::Follower;
@@ -15,10 +15,9 @@ pub(crate) fn input() -> FollowingErrors {
         data_set: "Made-up recordings".into(),
         drivers: (1..=6).map(|i| format!("Made-up driver {i}")).collect(),
         models: vec![
-            model(Follower::Model, 7.0, 1),
-            model(Follower::MeanEmbedding, 12.0, 2),
+            model(Follower::IdmPopulation, 12.0, 2),
+            model(Follower::IdmOwnTimeGap, 7.0, 1),
             model(Follower::Idm, 7.5, 3),
-            model(Follower::ConstantTimeGap, 10.6, 4),
         ],
     }
 }

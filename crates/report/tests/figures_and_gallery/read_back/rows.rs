@@ -72,7 +72,7 @@ fn rows_hold_their_estimates_and_both_ends_of_their_intervals() {
     let errors = kinds::following_errors::input();
     let figure = figures::following_errors(&errors, &context()).unwrap();
     let expected = errors.models.iter().flat_map(|model| {
-        let short = model.model == figures::car_following::Follower::Idm;
+        let short = model.model == figures::car_following::Follower::IdmPopulation;
         let errors = model.gap_rmse_m.iter().enumerate();
         errors.map(move |(i, error)| {
             if short {

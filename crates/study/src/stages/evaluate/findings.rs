@@ -1,37 +1,14 @@
-//! What became of the questions that an evaluation asks: of what was learned beside its peers, and of knowing the driver.
+//! What became of the questions that an evaluation asks: of knowing the driver, and of staying behind the leader.
 
 use maveric_analysis::{Finding, Part, Question};
 use maveric_following::{Compared, FollowingEvaluation, FollowingMethod};
 
-/// Methods that were learned by a network.
-pub(crate) const NETWORKS: [FollowingMethod; 6] = [
-    FollowingMethod::FollowingDistanceOwn,
-    FollowingMethod::FollowingDistanceMean,
-    FollowingMethod::ClosedLoopOwn,
-    FollowingMethod::ClosedLoopShrunken,
-    FollowingMethod::ClosedLoopMean,
-    FollowingMethod::ClosedLoopAndIdmShrunken,
-];
-/// Methods that are the same for everybody, beside which the same with knowledge of the driver stands.
-const FOR_ALL: [FollowingMethod; 3] = [
-    FollowingMethod::ClosedLoopMean,
-    FollowingMethod::IdmPopulation,
-    FollowingMethod::FollowingDistanceMean,
-];
-
-/// What was learned against each of its peers.
-pub(crate) fn beside_peers(evaluation: &FollowingEvaluation) -> Vec<&Compared> {
-    let ours = FollowingMethod::ClosedLoopShrunken;
-    let peers = evaluation.compared.iter();
-    peers
-        .filter(|c| c.method == ours && !NETWORKS.contains(&c.beside))
-        .collect()
-}
-
 /// Each way of knowing the driver against the same for everybody.
 pub(crate) fn beside_everybody(evaluation: &FollowingEvaluation) -> Vec<&Compared> {
     let pairs = evaluation.compared.iter();
-    pairs.filter(|c| FOR_ALL.contains(&c.beside)).collect()
+    pairs
+        .filter(|c| c.beside == FollowingMethod::IdmPopulation)
+        .collect()
 }
 
 /// The findings of an evaluation; errors have to be below those that they are held beside, and no drive may reach its leader.
@@ -42,16 +19,13 @@ pub(crate) fn findings(evaluation: &FollowingEvaluation) -> Vec<Finding> {
         let estimate = (Some(pair.mean_m), pair.low_m.zip(pair.high_m));
         Part::within(label, n, estimate, (f64::NEG_INFINITY, 0.0))
     };
-    let every = |question, pairs: Vec<&Compared>| {
-        Finding::every(question, pairs.iter().map(part).collect())
-    };
+    let pairs = beside_everybody(evaluation);
     let driven = evaluation.driven;
     let (hits, drives) = evaluation
         .mean(driven)
         .map_or((0, 0), |mean| (mean.reached_zero, mean.drivers));
     vec![
-        every(Question::Better, beside_peers(evaluation)),
-        every(Question::Personal, beside_everybody(evaluation)),
+        Finding::every(Question::Personal, pairs.iter().map(part).collect()),
         Finding::every(
             Question::Reached,
             vec![Part::never(driven.label(), hits, drives)],
@@ -80,29 +54,41 @@ mod tests {
         };
         serde_json::from_value(serde_json::json!({
             "learned_from": drivers,
-            "driven": "closed_loop_shrunken",
+            "driven": "idm_population_own_time_gap",
             "drivers": (0..drivers).map(driver).collect::<Vec<_>>(),
-            "means": [mean("closed_loop_shrunken", 3.0), mean("closed_loop_mean", 3.4), mean("idm_own", 2.0), mean("gipps_own", 2.5),
-                mean("idm_population", 2.8), mean("idm_floor", 1.0)],
-            "compared": [against("closed_loop_shrunken", "idm_own"), against("closed_loop_shrunken", "closed_loop_mean")],
-            "peers": [],
-            "time_gap_shrinkage": { "people": drivers, "half_s": 60.0, "within": 1.0, "between": 1.0, "strength_s": 60.0, "most": 0.9 },
-            "closed_loop": null,
+            "means": [mean("idm_population", 2.8), mean("idm_population_own_time_gap", 2.5), mean("idm_own", 2.0)],
+            "compared": [against("idm_population_own_time_gap", "idm_population"), against("idm_own", "idm_population_own_time_gap")],
         }))
         .unwrap()
     }
 
-    fn judged(drivers: usize, low_m: f64, high_m: f64) -> [Verdict; 2] {
-        let all = findings(&found(drivers, low_m, high_m));
-        [all[0].verdict, all[1].verdict]
+    fn personal(drivers: usize, low_m: f64, high_m: f64) -> Verdict {
+        findings(&found(drivers, low_m, high_m))[0].verdict
     }
 
     #[test]
-    fn an_error_below_its_peers_is_shown_one_above_fails_and_one_that_may_be_either_is_open() {
-        assert_eq!(judged(8, -1.8, -0.2), [Shown, Shown]);
-        assert_eq!(judged(8, 0.2, 1.8), [Fails, Fails]);
-        assert_eq!(judged(8, -1.0, 1.0), [NotShown, NotShown]);
-        assert_eq!(judged(4, -1.8, -0.2), [TooFew, TooFew]);
+    fn an_error_below_that_of_everybody_is_shown_one_above_fails_and_one_that_may_be_either_is_open()
+     {
+        assert_eq!(personal(8, -1.8, -0.2), Shown);
+        assert_eq!(personal(8, 0.2, 1.8), Fails);
+        assert_eq!(personal(8, -1.0, 1.0), NotShown);
+        assert_eq!(personal(4, -1.8, -0.2), TooFew);
+    }
+
+    #[test]
+    fn one_way_of_knowing_the_driver_that_fails_is_enough() {
+        let mut evaluation = found(8, -1.8, -0.2);
+        assert_eq!(
+            findings(&evaluation)[0].parts.len(),
+            1,
+            "not own beside own"
+        );
+        let mut own = evaluation.compared[0];
+        own.method = FollowingMethod::IdmOwn;
+        (own.low_m, own.high_m) = (Some(0.2), Some(1.8));
+        evaluation.compared.push(own);
+        let all = findings(&evaluation);
+        assert_eq!((all[0].parts.len(), all[0].verdict), (2, Fails));
     }
 
     #[test]
@@ -117,38 +103,27 @@ mod tests {
     }
 
     #[test]
-    fn the_best_of_the_peers_stands_beside_ours_and_drivers_are_counted_not_named() {
-        let cards = |low_m, high_m| {
-            let evaluation = found(8, low_m, high_m);
-            let following = maveric_pages::cards::following::Following {
-                found: &evaluation,
-                peers: beside_peers(&evaluation),
-                personal: beside_everybody(&evaluation),
-                networks: &NETWORKS,
-                driven: evaluation.driven,
-            };
-            following.cards(&findings(&evaluation)).unwrap()
+    fn cards_count_drivers_and_do_not_name_them() {
+        let evaluation = found(8, 0.2, 1.8);
+        let following = maveric_pages::cards::following::Following {
+            found: &evaluation,
+            personal: beside_everybody(&evaluation),
         };
-        let all = cards(0.2, 1.8);
-        let (better, personal) = (&all[0], &all[1]);
-        assert!(
-            better.answer.contains("3.00 m") && better.answer.contains("IDM, own 2.00 m"),
-            "{}",
-            better.answer
-        );
-        let number = format!("{:?}", better.number);
-        assert!(
-            number.contains("2.80 m") && number.contains("1.00 m"),
-            "the population's and the fitted law too: {number}"
-        );
+        let cards = following.cards(&findings(&evaluation)).unwrap();
+        let [personal, reached] = cards.as_slice() else {
+            panic!("{cards:?}")
+        };
         assert!(
             personal.answer.contains("1 of 8 nearer, 7 further off"),
             "{}",
             personal.answer
         );
         assert!(!personal.answer.contains("D1"));
-        let tie = cards(-1.0, 1.0);
-        assert!(tie[0].answer.contains("a tie by its interval"));
+        assert!(
+            reached.answer.contains("IDM, population and own time gap"),
+            "{}",
+            reached.answer
+        );
     }
 
     #[test]
@@ -157,10 +132,10 @@ mod tests {
             let mut evaluation = found(drivers, -1.8, -0.2);
             for mean in &mut evaluation.means {
                 // Another method that does it decides nothing.
-                let ours = mean.method == FollowingMethod::ClosedLoopShrunken;
+                let ours = mean.method == FollowingMethod::IdmPopulationOwnTimeGap;
                 mean.reached_zero = if ours { times } else { 1 };
             }
-            findings(&evaluation)[2].verdict
+            findings(&evaluation)[1].verdict
         };
         assert_eq!(
             [reached(0, 8), reached(1, 8), reached(0, 4)],

@@ -1,11 +1,10 @@
 //! An evaluation as tables and sentences, for its page and for a terminal.
 
 use crate::error::StudyError;
-use maveric_following::{Compared, FollowingEvaluation, MethodMean, Shrinkage};
+use maveric_following::{Compared, FollowingEvaluation, MethodMean};
 use maveric_pages::{FOLLOWING, PageTexts};
 use maveric_report::tables::Table;
 use serde::Serialize;
-use std::collections::BTreeMap;
 
 /// What the texts may ask for.
 #[derive(Serialize)]
@@ -99,26 +98,4 @@ pub(crate) fn compared(
         pair,
     });
     Ok(texts.table("following-compared", rows)?)
-}
-
-/// How much of what was fitted to a person was believed.
-pub(crate) fn shrinkage(
-    evaluation: &FollowingEvaluation,
-    texts: &PageTexts,
-) -> Result<Vec<String>, StudyError> {
-    let one = |what: &str, s: &Shrinkage| {
-        let what = texts.text(what)?;
-        let share = BTreeMap::from([("share", s.share(2.0 * s.half_s))]);
-        let texts = texts.with(s).with(&share);
-        Ok(texts
-            .with(&BTreeMap::from([("what", what)]))
-            .text("shrunken")?)
-    };
-    let network = evaluation
-        .closed_loop
-        .as_ref()
-        .and_then(|c| c.trained.first());
-    std::iter::once(one("time_gap", &evaluation.time_gap_shrinkage))
-        .chain(network.map(|n| one("embedding", &n.shrinkage)))
-        .collect()
 }

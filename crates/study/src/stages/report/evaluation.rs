@@ -11,8 +11,8 @@ use crate::{
     run_folder::{MODEL_FILE, training_path},
     stages::{
         evaluate::{
-            findings::{self, NETWORKS},
-            tables::{compared, errors as errors_of_methods, shrinkage, texts},
+            findings,
+            tables::{compared, errors as errors_of_methods, texts},
         },
         train::TrainingSummary,
     },
@@ -29,30 +29,12 @@ use maveric_report::{
 };
 use std::collections::BTreeMap;
 
-/// The methods that the figure of errors shows.
-const COMPARED: [(FollowingMethod, Follower); 7] = [
-    (FollowingMethod::ClosedLoopShrunken, Follower::ClosedLoop),
-    (FollowingMethod::ClosedLoopMean, Follower::ClosedLoopMean),
-    (FollowingMethod::FollowingDistanceOwn, Follower::Model),
+/// The methods that the figures show.
+const SHOWN: [(FollowingMethod, Follower); 3] = [
+    (FollowingMethod::IdmPopulation, Follower::IdmPopulation),
     (
-        FollowingMethod::FollowingDistanceMean,
-        Follower::MeanEmbedding,
-    ),
-    (
-        FollowingMethod::ConstantTimeGapOwn,
-        Follower::ConstantTimeGap,
-    ),
-    (FollowingMethod::IdmOwn, Follower::Idm),
-    (FollowingMethod::IdmFloor, Follower::Floor),
-];
-
-/// The methods whose drives the figures of single drivers show.
-const SHOWN: [(FollowingMethod, Follower); 4] = [
-    (FollowingMethod::ClosedLoopShrunken, Follower::ClosedLoop),
-    (FollowingMethod::FollowingDistanceOwn, Follower::Model),
-    (
-        FollowingMethod::FollowingDistanceMean,
-        Follower::MeanEmbedding,
+        FollowingMethod::IdmPopulationOwnTimeGap,
+        Follower::IdmOwnTimeGap,
     ),
     (FollowingMethod::IdmOwn, Follower::Idm),
 ];
@@ -89,9 +71,8 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
             .iter()
             .map(|d| d.driver.clone())
             .collect(),
-        models: COMPARED
+        models: SHOWN
             .into_iter()
-            .filter(|(method, _)| evaluation.mean(*method).is_some())
             .map(|(method, model)| ModelErrors {
                 model,
                 gap_rmse_m: errors_of(method),
@@ -102,8 +83,7 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
     for driver in &evaluation.drivers {
         figures.push(car_following(&drives_of(driver, &data_set), &context)?);
     }
-    let mut summary = shrinkage(&evaluation, texts)?;
-    summary.push(texts.text("driven")?);
+    let mut summary = vec![texts.text("driven")?];
     for reason in training.networks.iter().flat_map(|n| &n.left_out) {
         let texts = texts.with(&BTreeMap::from([("reason", reason)]));
         summary.push(texts.text("left_out")?);
@@ -111,10 +91,7 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
     let judged = findings::findings(&evaluation);
     let following = Following {
         found: &evaluation,
-        peers: findings::beside_peers(&evaluation),
         personal: findings::beside_everybody(&evaluation),
-        networks: &NETWORKS,
-        driven: evaluation.driven,
     };
     let cards = following.cards(&judged)?;
     let lines = cards.iter().map(|card| {
