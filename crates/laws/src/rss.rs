@@ -1,6 +1,5 @@
 //! Responsibility-sensitive safety: the gap that is never to be undercut.
 
-use crate::Real;
 use serde::{Deserialize, Serialize};
 
 /// The rule's numbers, and a gap at standstill beside it.
@@ -8,73 +7,28 @@ use serde::{Deserialize, Serialize};
 /// # Source
 /// Shalev-Shwartz, Shammah and Shashua 2017, Definition 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Rss<T = f64> {
+pub struct Rss {
     /// Time before ego brakes, in s, above 0.
-    pub reaction_s: T,
+    pub reaction_s: f64,
     /// Ego's acceleration until then, in m/s².
-    pub reaction_accel_mps2: T,
+    pub reaction_accel_mps2: f64,
     /// Braking of ego after that, in m/s², above 0.
-    pub ego_braking_mps2: T,
+    pub ego_braking_mps2: f64,
     /// Hardest braking of the leader, in m/s², above 0.
-    pub lead_braking_mps2: T,
+    pub lead_braking_mps2: f64,
     /// Gap kept at standstill, in m.
-    pub standstill_gap_m: T,
-}
-
-impl<T: Real> Rss<T> {
-    /// The least safe gap at these speeds, in m: ego can still stop if the leader brakes as hard as it can.
-    #[inline]
-    pub fn distance_m(&self, ego_speed_mps: T, lead_speed_mps: T) -> T {
-        let after = ego_speed_mps + self.reaction_s * self.reaction_accel_mps2;
-        let reacting = T::of(0.5) * (ego_speed_mps + after) * self.reaction_s;
-        let stopping = after * after / (T::of(2.0) * self.ego_braking_mps2);
-        let lead_stops = lead_speed_mps * lead_speed_mps / (T::of(2.0) * self.lead_braking_mps2);
-        self.standstill_gap_m + (reacting + stopping - lead_stops).max(T::of(0.0))
-    }
-
-    /// The speed at which `gap_m` is the least safe gap, in m/s; 0 where no speed is safe.
-    #[inline]
-    pub fn safe_speed_mps(&self, gap_m: T, lead_speed_mps: T) -> T {
-        // [`Rss::distance_m`], a parabola in the speed after the reaction, solved for that speed.
-        let gained = self.reaction_s * self.reaction_accel_mps2;
-        let lead_stops = lead_speed_mps * lead_speed_mps / (T::of(2.0) * self.lead_braking_mps2);
-        let room =
-            gap_m - self.standstill_gap_m + lead_stops + T::of(0.5) * gained * self.reaction_s;
-        let reacting = self.ego_braking_mps2 * self.reaction_s;
-        let square = reacting * reacting + T::of(2.0) * self.ego_braking_mps2 * room;
-        (square.max(T::of(0.0)).sqrt() - reacting - gained).max(T::of(0.0))
-    }
-
-    /// How much [`Rss::safe_speed_mps`] grows with the gap, in 1/s; 0 where no speed is safe.
-    #[inline]
-    pub fn safe_speed_slope_per_s(&self, gap_m: T, lead_speed_mps: T) -> T {
-        let safe = self.safe_speed_mps(gap_m, lead_speed_mps);
-        if safe > T::of(0.0) {
-            let gained = self.reaction_s * self.reaction_accel_mps2;
-            self.ego_braking_mps2 / (safe + gained + self.ego_braking_mps2 * self.reaction_s)
-        } else {
-            T::of(0.0)
-        }
-    }
-
-    /// The most that ego may accelerate, in m/s²: to the safe speed within the reaction time, so a braking where the gap is
-    /// not safe.
-    #[inline]
-    pub fn most_accel_mps2(&self, gap_m: T, ego_speed_mps: T, lead_speed_mps: T) -> T {
-        (self.safe_speed_mps(gap_m, lead_speed_mps) - ego_speed_mps) / self.reaction_s
-    }
+    pub standstill_gap_m: f64,
 }
 
 impl Rss {
-    /// The rule reckoned in another precision.
-    pub fn reckoned_in<T: Real>(&self) -> Rss<T> {
-        Rss {
-            reaction_s: T::of(self.reaction_s),
-            reaction_accel_mps2: T::of(self.reaction_accel_mps2),
-            ego_braking_mps2: T::of(self.ego_braking_mps2),
-            lead_braking_mps2: T::of(self.lead_braking_mps2),
-            standstill_gap_m: T::of(self.standstill_gap_m),
-        }
+    /// The least safe gap at these speeds, in m: ego can still stop if the leader brakes as hard as it can.
+    #[inline]
+    pub fn distance_m(&self, ego_speed_mps: f64, lead_speed_mps: f64) -> f64 {
+        let after = ego_speed_mps + self.reaction_s * self.reaction_accel_mps2;
+        let reacting = 0.5 * (ego_speed_mps + after) * self.reaction_s;
+        let stopping = after * after / (2.0 * self.ego_braking_mps2);
+        let lead_stops = lead_speed_mps * lead_speed_mps / (2.0 * self.lead_braking_mps2);
+        self.standstill_gap_m + (reacting + stopping - lead_stops).max(0.0)
     }
 }
 
@@ -152,21 +106,6 @@ mod tests {
         // Reacting 0.3 · 30.3 = 9.09, stopping 30.6²/14 = 66.883, the leader 900/16 = 56.25; and 2 m.
         assert!((RSS.distance_m(30.0, 30.0) - 21.723).abs() < 1e-3);
         assert!(RSS.distance_m(0.0, 0.0) < 2.2);
-    }
-
-    #[test]
-    fn the_safe_speed_is_the_one_whose_safe_distance_is_the_gap() {
-        for (speed, lead) in [(5.0, 3.0), (20.0, 18.0), (30.0, 29.0)] {
-            let gap = RSS.distance_m(speed, lead);
-            assert!((RSS.safe_speed_mps(gap, lead) - speed).abs() < 1e-9);
-            // 0.3 m/s too fast, to be lost within 0.3 s.
-            assert!((RSS.most_accel_mps2(gap, speed + 0.3, lead) + 1.0).abs() < 1e-9);
-            let by = 1e-5;
-            let rise = RSS.safe_speed_mps(gap + by, lead) - RSS.safe_speed_mps(gap - by, lead);
-            assert!((rise / (2.0 * by) - RSS.safe_speed_slope_per_s(gap, lead)).abs() < 1e-6);
-        }
-        assert!(RSS.safe_speed_mps(1.0, 0.0).abs() < 1e-12);
-        assert!(RSS.safe_speed_slope_per_s(1.0, 0.0).abs() < 1e-12);
     }
 
     #[test]

@@ -68,7 +68,7 @@ pub(crate) fn decay_and_norm(
 }
 
 /// From 1 at `step` 0 to 0 at `steps`, along half a cosine.
-pub fn cosine(step: usize, steps: usize) -> f64 {
+pub(crate) fn cosine(step: usize, steps: usize) -> f64 {
     0.5 * (1.0 + libm::cos(std::f64::consts::PI * step as f64 / steps.max(1) as f64))
 }
 

@@ -40,7 +40,6 @@ pub mod windows;
 pub use ablation::{
     Ablated, AblationSettings, Variant, VariantKind, VariantResult, ablate, variants,
 };
-pub use adam::cosine;
 pub use days::Days;
 pub use epochs::{EpochReport, TrainingDrive};
 pub use error::{ModelError, ModelWarning};
