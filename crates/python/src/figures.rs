@@ -149,7 +149,6 @@ const KINDS: [(&str, Draw); 29] = kinds![
     learning_curve,
     perpendicular,
     preference,
-    recommendation,
     residuals,
     scatter,
     simulator_view,

@@ -116,7 +116,6 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
         test: 0,
         duration_s: Some(DRIVES_S),
         repeat_drives: false,
-        scenes: None,
         seed: 1,
         jobs,
     };

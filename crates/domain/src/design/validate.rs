@@ -55,9 +55,11 @@ pub struct ValidateTable {
     pub seen: bool,
     /// The people whose drives it reads; everybody by default.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<String>"))]
     pub people: Vec<ParticipantId>,
     /// The people whom a direction counts; all whom it reads by default.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<String>"))]
     pub judged: Vec<ParticipantId>,
     /// The roles that are learned from; all that were driven by default.
     #[serde(default)]
