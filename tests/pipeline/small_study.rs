@@ -263,7 +263,6 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         "fidelity",
         "likeness",
         "likeness-by-column",
-        "wandering",
         "dial",
         "perpendicular",
         "line",

@@ -22,7 +22,6 @@ pub mod survey;
 pub mod trace;
 pub mod traits;
 pub mod units;
-mod variability;
 
 pub use condition::ConditionId;
 pub use design::{Design, DesignError};
@@ -47,4 +46,3 @@ pub use survey::{
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;
 pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds, SpeedUnit};
-pub use variability::{Variability, Wander};

@@ -44,7 +44,7 @@ pub use days::Days;
 pub use epochs::{EpochReport, TrainingDrive};
 pub use error::{ModelError, ModelWarning};
 pub use heads::{
-    BEYOND_P, FittedHead, HEADS, HeadReport, KeptBack, StyleHead, Support, score_line, variability,
+    BEYOND_P, FittedHead, HEADS, HeadReport, KeptBack, StyleHead, Support, score_line,
 };
 pub use heads_kind::HeadsKind;
 pub use held_out::HeldOut;

@@ -150,7 +150,6 @@ pub(crate) fn condition(c: &Condition) -> Value {
         points,
         path,
         lent => lent(c),
-        varies => c.vary,
         recorded => c.recorded,
         levels => levels.collect::<Vec<_>>(),
     }

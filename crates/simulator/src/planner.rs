@@ -67,13 +67,6 @@ impl View<'_> {
 pub trait Planner {
     /// What to ask of the controllers now.
     fn plan(&mut self, view: &View<'_>) -> Setpoints;
-
-    /// Where in its lane the car is to drive, in m to the left of the lane's centre; asked for after each plan.
-    ///
-    /// The car stays within its lane whatever is asked.
-    fn lane_offset_m(&self) -> f64 {
-        0.0
-    }
 }
 
 impl<F: FnMut(&View<'_>) -> Setpoints> Planner for F {

@@ -6,11 +6,9 @@ mod model_planner;
 mod networks;
 mod paper;
 mod ride_style;
-mod varying;
 
 pub use habits::HabitRule;
 pub use lending::Lending;
 pub use model_planner::ModelPlanner;
 pub use paper::PaperRule;
 pub use ride_style::{PlacedStyle, RideStyle, Seed};
-pub use varying::Varying;

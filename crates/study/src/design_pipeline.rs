@@ -41,7 +41,6 @@ pub fn design_pipeline(study: &DesignFile) -> String {
         // What the seat draws and what a run draws are the same.
         seed => design.protocol().seed,
         simulates,
-        varies => design.conditions().iter().any(|c| c.vary),
         logs => there.logs,
         answers_there => there.answers || needs_model,
         measures => there.logs || there.measures,

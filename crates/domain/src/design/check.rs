@@ -305,16 +305,8 @@ fn condition(
         recorded: true,
         ..CarToml::default()
     });
-    let (recorded, vary) = (raw_car.recorded, raw_car.vary);
+    let recorded = raw_car.recorded;
     let car = car(&key("car"), raw_car, style)?;
-    let in_own_style = matches!(car, Some(Car::Dial(_) | Car::Across));
-    if vary && (recorded || !in_own_style) {
-        return refuse(
-            key("car.vary"),
-            "`true` for a car that does not drive a person's own style in the program's simulator",
-            "`vary = true` beside `dial = POINTS` or `across = true`, and without `recorded = true`",
-        );
-    }
     // What was driven is driven again without a model, and nowhere but where it was driven.
     let replayed = car == Some(Car::Replay);
     if car.is_some() && !replayed && !learned {
@@ -329,7 +321,6 @@ fn condition(
         id: raw.id,
         place,
         color,
-        vary,
         recorded: recorded || replayed || car.is_none(),
         car,
         levels: raw.levels,

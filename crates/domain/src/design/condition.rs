@@ -17,8 +17,6 @@ pub struct Condition {
     pub color: Option<Color>,
     /// What the car does; none where it was yours and only its logs are read.
     pub car: Option<Car>,
-    /// Whether the car wanders as the person's own drive does: in speed, in gap and in its place in the lane.
-    pub vary: bool,
     /// Whether it was driven elsewhere: logs are read, nothing is simulated.
     pub recorded: bool,
     /// Factor → level, where conditions cross factors.

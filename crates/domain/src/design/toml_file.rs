@@ -216,9 +216,6 @@ pub(super) struct CarToml {
     /// Driven elsewhere: logs are read, nothing is simulated.
     #[serde(default)]
     pub(super) recorded: bool,
-    /// Beside dial or across: the car wanders in speed, gap and place in the lane as the person's own drive does.
-    #[serde(default)]
-    pub(super) vary: bool,
 }
 
 /// How somebody else's style is brought to the person's.

@@ -231,24 +231,6 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
 }
 
 #[test]
-fn a_car_varies_as_its_person_does_only_where_the_program_drives_that_person() {
-    let with = |car: &str| {
-        let head = "[study]\ntitle = \"t\"\n[people]\nlearn = { part = \"l\" }\n[style]\nscore = \"adb.total\"\n";
-        let text = format!(
-            "{head}[[condition]]\nid = \"a\"\ncar = {{ {car} }}\n[[condition]]\nid = \"b\"\n"
-        );
-        Design::from_toml(&text).map_err(|e| e.to_string())
-    };
-    let varies = |car: &str| with(car).unwrap().conditions()[0].vary;
-    assert!(varies("dial = 0, vary = true") && varies("across = true, vary = true"));
-    assert!(!varies("dial = 0"));
-    for car in ["mean = true", "free = true", "dial = 0, recorded = true"] {
-        let error = with(&format!("{car}, vary = true")).unwrap_err();
-        assert!(error.contains("`condition.a.car.vary`"), "{error}");
-    }
-}
-
-#[test]
 fn a_study_without_conditions_or_title_is_none() {
     for (text, said) in [
         (

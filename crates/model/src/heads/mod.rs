@@ -18,7 +18,6 @@ mod situation;
 mod style;
 mod support;
 mod train;
-mod variability;
 
 pub use family::{Family, Outcome};
 pub(crate) use fit::{DriveEvents, fit};
@@ -38,4 +37,3 @@ pub use style::{Posterior, StyleHead, score_line};
 pub(crate) use support::Population;
 pub use support::{BEYOND_P, Support};
 pub(crate) use train::{LearnedFrom, learned_from, length_s, train_heads};
-pub use variability::variability;

@@ -47,13 +47,6 @@ fn accuracy(driven: &[Values], own: &[Values], measure: usize) -> (Option<f64>, 
     (result.mean, result.n)
 }
 
-/// Mean accuracy of each of the seven measures, drives in the same order of drivers.
-pub fn accuracies(driven: &[Values], own: &[Values]) -> Vec<Option<f64>> {
-    (0..MEASURES.len())
-        .map(|k| accuracy(driven, own, k).0)
-        .collect()
-}
-
 fn bias(driven: &[Values], own: &[Values], measure: usize) -> Option<f64> {
     let errors: Vec<f64> = driven
         .iter()

@@ -53,8 +53,6 @@ pub struct ByColumn {
     pub again: Likeness,
     /// The car in the own style.
     pub car: Likeness,
-    /// The car in the own style that wanders as its owner does.
-    pub varying: Likeness,
     /// The first drives of other people.
     pub others: Likeness,
 }
@@ -69,13 +67,10 @@ pub struct Driven {
     pub mimic: Vec<Vec<Window>>,
     /// The car with the mean style, on each person's road: what knowing nobody gives.
     pub average: Vec<Vec<Window>>,
-    /// The car in the own style that wanders as its owner does.
-    pub varying: Vec<Vec<Window>>,
 }
 
 const AGAIN: &str = "second drive of the owner (ceiling)";
 const CAR: &str = "car in the own style";
-const VARYING: &str = "the same, wandering as the owner does";
 const OTHERS: &str = "first drives of other people";
 
 impl Driven {
@@ -120,7 +115,6 @@ pub fn likeness(driven: &Driven, seed: u64) -> Result<Vec<Likeness>, RehearsalEr
     let kinds = [
         (AGAIN, &driven.again),
         (CAR, &driven.mimic),
-        (VARYING, &driven.varying),
         ("the car with the mean style (floor)", &driven.average),
     ];
     let mut rows = Vec::new();
@@ -167,7 +161,6 @@ pub fn likeness_by_column(driven: &Driven, seed: u64) -> Result<Vec<ByColumn>, R
                 looking,
                 again: row(AGAIN, &beside(&driven.again), &[])?,
                 car: row(CAR, &beside(&driven.mimic), &[])?,
-                varying: row(VARYING, &beside(&driven.varying), &[])?,
                 others: row(OTHERS, &driven.between_people(&spread, seed), &[])?,
             });
         }
@@ -223,15 +216,13 @@ mod tests {
             again: of(5),
             mimic: people.map(|v| drive(v + 0.3, 9)).to_vec(),
             average: people.map(|_| drive(26.0, 9)).to_vec(),
-            varying: people.map(|v| drive(v + 0.3, 7)).to_vec(),
         };
         let rows = likeness(&driven, 1).unwrap();
-        let [again, car, varying, floor, others] = &rows[..] else {
+        let [again, car, floor, others] = &rows[..] else {
             panic!("{rows:?}");
         };
         assert_eq!(again.owner_nearest, Some(1.0));
         assert_eq!(car.owner_nearest, Some(1.0));
-        assert_eq!(varying.owner_nearest, Some(1.0));
         assert!(floor.owner_nearest.unwrap() <= 0.5);
         let mmd2 = |row: &Likeness| row.mmd2.unwrap();
         assert!(mmd2(again) < mmd2(floor) && mmd2(car) < mmd2(floor) && mmd2(again) < mmd2(others));
@@ -252,7 +243,6 @@ mod tests {
             mimic: own.iter().map(smooth).collect(),
             again: own.iter().rev().cloned().collect(),
             average: own.clone(),
-            varying: own.clone(),
             own,
         };
         let rows = likeness_by_column(&driven, 1).unwrap();

@@ -11,7 +11,7 @@ mod retest;
 
 pub use across::{Across, across};
 pub use dial::{Dial, FULL, Right, dial};
-pub use fidelity::{Fidelity, accuracies, fidelity};
+pub use fidelity::{Fidelity, fidelity};
 pub(crate) use held::standardised;
 pub use held::{Held, ShareOfPeople, held};
 pub(crate) use identity::distance;

@@ -41,18 +41,11 @@ pub(crate) struct AutomatedDriver<'a> {
     brake: EmergencyBrake,
     setpoints: Option<Setpoints>,
     sideways: Sideways,
-    /// Where in its lane it drove last; none before the first plan.
-    lane_offset_m: Option<f64>,
     interventions: Vec<Intervention>,
 }
 
 /// Time a change that is given up takes to undo, in s.
 const GO_BACK_S: f64 = 3.0;
-/// Distance that the car's side keeps from the line, wherever in its lane it is asked to drive, in m.
-const LEAST_TO_LINE_M: f64 = 0.3;
-/// How far the place in its lane moves at most, in m a metre driven: a car that stands or creeps would turn its wheels across the road, and
-/// leave the lane as it drives off.
-const STEEPEST_OFFSET: f64 = 0.1;
 
 impl<'a> AutomatedDriver<'a> {
     pub(crate) fn new(
@@ -78,7 +71,6 @@ impl<'a> AutomatedDriver<'a> {
             brake: EmergencyBrake::default(),
             setpoints: None,
             sideways: Sideways::default(),
-            lane_offset_m: None,
             interventions: Vec::new(),
         }
     }
@@ -125,7 +117,6 @@ impl<'a> AutomatedDriver<'a> {
             finite(name, found, scene.time_s)?;
         }
         self.setpoints = Some(setpoints);
-        let lane_offset_m = self.lane_offset_m(scene)?;
         self.sideways
             .observe(self.settings, scene, &self.road, self.vehicle.width_m);
         let acceleration_mps2 = self.accelerate(scene, steering, &setpoints);
@@ -152,22 +143,8 @@ impl<'a> AutomatedDriver<'a> {
         Ok(Action {
             acceleration_mps2,
             manoeuvre,
-            lane_offset_m,
+            lane_offset_m: 0.0,
         })
-    }
-
-    /// Where in its lane the car drives: towards where the planner asks, well within the lane.
-    fn lane_offset_m(&mut self, scene: &Scene) -> Result<f64, SimulatorError> {
-        let asked_m = self.planner.lane_offset_m();
-        finite("lane_offset_m", asked_m, scene.time_s)?;
-        let room_m = 0.5 * (self.road.lane_width_m - self.vehicle.width_m) - LEAST_TO_LINE_M;
-        let wanted_m = asked_m.clamp(-room_m.max(0.0), room_m.max(0.0));
-        let most_m = STEEPEST_OFFSET * scene.ego.speed_mps * PLANNING_STEP_S;
-        let offset_m = self.lane_offset_m.map_or(wanted_m, |last_m| {
-            wanted_m.clamp(last_m - most_m, last_m + most_m)
-        });
-        self.lane_offset_m = Some(offset_m);
-        Ok(offset_m)
     }
 
     /// The smaller of what velocity, following and safety ask, without a jump.

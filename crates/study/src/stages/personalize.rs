@@ -17,11 +17,8 @@ use crate::{
     stage::{Files, Stage},
     style_scores::StyleScores,
     tables::{
-        TableName,
         embeddings::{EmbeddingRow, write_embeddings},
         surveys::read_scores,
-        variability::VariabilityRow,
-        write_rows,
     },
 };
 use maveric_domain::{Drive, StyleScore};
@@ -60,9 +57,6 @@ pub struct Personalize {
     /// Write how good embeddings are after 1, 2, 5 and 10 minutes, judged on each drive's last fifth (CSV or JSON by name)
     #[arg(long, value_name = "FILE")]
     pub learning_curve: Option<PathBuf>,
-    /// Write how speed, gap and place in the lane wander within each drive: for cars that vary (CSV)
-    #[arg(long, value_name = "FILE")]
-    pub variability: Option<PathBuf>,
     /// Share of each drive, from its start, that may be learned from
     #[arg(long, default_value_t = TrainSettings::default().fit_fraction)]
     pub fit_fraction: f64,
@@ -123,8 +117,7 @@ impl Stage for Personalize {
             .reads_people(root, design, self.participants.as_deref())
             .reads_style(study.as_ref())
             .writes([&self.out])
-            .writes(&self.learning_curve)
-            .writes(&self.variability))
+            .writes(&self.learning_curve))
     }
 
     /// Fits an embedding to every drive of a folder: with its score where there is one, and always without.
@@ -188,12 +181,6 @@ impl Stage for Personalize {
             }
             None => Vec::new(),
         };
-        if let Some(path) = &self.variability {
-            let measured = for_each_on(self.jobs, &drives, watch, "variability", |drive| {
-                Ok(VariabilityRow::from_drive(drive))
-            })?;
-            write_rows(TableName::Variability, path, &measured)?;
-        }
         let off_the_scale = off_the_scale::taken_out(model.score_range(), &mut rows);
         warnings.extend(off_the_scale::warnings(model.score_range(), &off_the_scale));
         warnings.extend(beyond::warnings(&model, &rows));

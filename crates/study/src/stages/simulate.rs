@@ -51,9 +51,6 @@ pub struct Simulate {
     /// Conditions to drive
     #[arg(long)]
     pub conditions: PathBuf,
-    /// How people's own drives wander, for the conditions of the design whose car varies: see `personalize --variability`
-    #[arg(long, value_name = "FILE")]
-    pub variability: Option<PathBuf>,
     /// Folder to write into: drives (Parquet), logs (MCAP) of whom the report shows, rollouts.csv
     #[arg(long)]
     pub out: PathBuf,
@@ -107,7 +104,6 @@ impl Stage for Simulate {
         let tables = ["drives/drives.csv", "drives/exclusions.csv", "rollouts.csv"];
         Ok(Files::default()
             .reads([&self.model, &self.conditions])
-            .reads(&self.variability)
             .reads(&self.scenario)
             .reads(&self.watch_own)
             .reads_design(self.design.as_deref())

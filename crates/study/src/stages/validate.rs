@@ -8,7 +8,7 @@ mod page;
 mod people;
 mod tables;
 
-pub use examine::{Examined, Wandering};
+pub use examine::Examined;
 pub use maveric_rehearsal::validation::{
     Across, Agreement, ByColumn, Dial, FULL, Fidelity, Held, Identification, Likeness, Looking,
     Metric, Retest, Right, ShareOfPeople,

@@ -15,7 +15,6 @@ mod reshape;
 mod rows;
 pub mod surveys;
 mod table;
-pub mod variability;
 
 pub use builder::TableBuilder;
 pub use dictionary::TableName;

@@ -21,26 +21,6 @@ fn passing(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
 }
 
 #[test]
-fn the_car_drives_where_in_its_lane_it_is_asked_to_and_never_at_the_line() {
-    struct Aside(f64);
-    impl Planner for Aside {
-        fn plan(&mut self, view: &View<'_>) -> Setpoints {
-            always(30.0, 30.0)(view)
-        }
-        fn lane_offset_m(&self) -> f64 {
-            self.0
-        }
-    }
-    let at = |offset_m| automated(&empty_road(60.0, Vec::new()), Aside(offset_m), 1);
-    let end = |driven: Rollout| *driven.recording.ego().y_m.last().unwrap();
-    assert!((end(at(0.3)) - 0.3).abs() < 0.02);
-    assert!((end(at(-0.3)) + 0.3).abs() < 0.02);
-    let room_m = 0.5 * (3.66 - Scenario::paper().settings().vehicle.width_m);
-    let furthest = end(at(40.0));
-    assert!(furthest > 0.3 && furthest < room_m - 0.25, "{furthest}");
-}
-
-#[test]
 fn the_car_stops_behind_a_standing_one() {
     let scenario = empty_road(120.0, vec![placed(400.0, 0, 0.0)]);
     let stopped = automated(&scenario, always(30.0, 8.0), 1);

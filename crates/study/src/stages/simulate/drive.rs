@@ -7,14 +7,12 @@ use crate::{
     tables::drives::write_drive,
     watching::{WatchedDrive, braking},
 };
-use maveric_domain::{
-    Drive, DriveId, DriveMeta, DrivenBy, Embedding, Recording, Variability, stream_seed,
-};
+use maveric_domain::{Drive, DriveId, DriveMeta, DrivenBy, Embedding, Recording, stream_seed};
 use maveric_ingest::Beside;
 use maveric_model::Model;
 use maveric_report::html::CentreLine;
 use maveric_simulator::{Driver, Rollout, RolloutReport, Scenario, SimulatorError, rollout};
-use maveric_steering::{ModelPlanner, Varying};
+use maveric_steering::ModelPlanner;
 
 /// A drive that was driven to its end; with what the page plays where it is watched.
 pub(super) struct Driven {
@@ -25,22 +23,18 @@ pub(super) struct Driven {
     pub(super) watched: Option<WatchedDrive>,
 }
 
-/// The car with a style in a world of the scenario; what wanders, if anything does.
+/// The car with a style in a world of the scenario.
 pub(crate) fn drive_style(
     model: &Model,
     style: &Embedding,
-    varying: Option<&Variability>,
     scenario: &Scenario,
     world: u64,
 ) -> Result<Rollout, StudyError> {
-    let planner = ModelPlanner::new(model, style, &scenario.settings().controllers)?;
+    let mut planner = ModelPlanner::new(model, style, &scenario.settings().controllers)?;
     let controllers = planner.controllers();
-    // Nothing wanders with a variability of nothing: the set-points are the planner's own.
-    let varying = varying.copied().unwrap_or_default();
-    let mut planner = Varying::new(planner, &varying, &controllers, world);
     let driver = Driver::Automated(&mut planner, &controllers);
     let driven = rollout(scenario, driver, world)?;
-    match planner.into_inner().failure() {
+    match planner.failure() {
         Some(error) => Err(error.into()),
         None => Ok(driven),
     }
@@ -59,7 +53,7 @@ pub(super) fn drive(
 ) -> Result<Result<Driven, Stopped>, StudyError> {
     let (id, row) = (ride.id.clone(), ride.row);
     let seed = stream_seed(options.seed, &[id.as_str(), "world"]);
-    let driven = drive_style(model, &row.embedding, ride.varying.as_ref(), scenario, seed)?;
+    let driven = drive_style(model, &row.embedding, scenario, seed)?;
     if let Some(why) = driven.stopped {
         return Ok(Err((id, why)));
     }

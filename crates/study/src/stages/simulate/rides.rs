@@ -1,4 +1,4 @@
-//! Which conditions are driven, how often, and what wanders in each.
+//! Which conditions are driven, and how often.
 
 use super::Simulate;
 use crate::{
@@ -7,10 +7,9 @@ use crate::{
     tables::{
         conditions::{ConditionRow, read_conditions},
         drives::refuse_foreign,
-        variability::read_variability,
     },
 };
-use maveric_domain::{Design, DriveId, Occasion, Variability, design::Condition};
+use maveric_domain::{DriveId, Occasion, design::Condition};
 use std::collections::BTreeSet;
 
 /// A condition in one session and trial.
@@ -18,7 +17,6 @@ pub(super) struct Ride<'a> {
     pub(super) row: &'a ConditionRow,
     pub(super) id: DriveId,
     pub(super) occasion: Occasion,
-    pub(super) varying: Option<Variability>,
 }
 
 impl Simulate {
@@ -45,9 +43,8 @@ impl Simulate {
         study: Option<&DesignFile>,
         conditions: &'a [ConditionRow],
     ) -> Result<Vec<Ride<'a>>, StudyError> {
-        let varying = self.varying(study, conditions)?;
         let (mut rides, mut names) = (Vec::new(), BTreeSet::new());
-        for (row, varying) in conditions.iter().zip(varying) {
+        for row in conditions {
             let occasions = match study {
                 Some(study) if row.sweep.is_none() => study.design.occasions(row.condition),
                 _ => vec![Occasion::FIRST],
@@ -58,57 +55,10 @@ impl Simulate {
                     let problem = format!("two rows are drive {id}, expected a name for each");
                     return Err(StudyError::file(&self.conditions, problem));
                 }
-                rides.push(Ride {
-                    row,
-                    id,
-                    occasion,
-                    varying,
-                });
+                rides.push(Ride { row, id, occasion });
             }
         }
         refuse_foreign(&self.out.join("drives"), names.iter().map(DriveId::as_str))?;
         Ok(rides)
-    }
-
-    /// What wanders in each of `conditions`: as in the person's own drive where the design says so, nothing elsewhere.
-    pub(super) fn varying(
-        &self,
-        study: Option<&DesignFile>,
-        conditions: &[ConditionRow],
-    ) -> Result<Vec<Option<Variability>>, StudyError> {
-        let design = study.map(|s| &s.design);
-        let varies = |row: &ConditionRow| {
-            let condition = design.and_then(|d| d.condition(row.condition));
-            row.sweep.is_none() && condition.is_some_and(|c| c.vary)
-        };
-        let Some(first) = conditions.iter().find(|row| varies(row)) else {
-            return Ok(vec![None; conditions.len()]);
-        };
-        let Some(path) = &self.variability else {
-            let problem = format!(
-                "the car of condition {} varies, and nothing says how people's own drives do",
-                first.condition
-            );
-            let help = "write it with `maveric personalize --variability FILE` and give it with --variability FILE";
-            return Err(StudyError::not_possible(problem).with_help(help));
-        };
-        let known = read_variability(path)?;
-        let baseline = design.and_then(Design::baseline_id);
-        let variability = |row: &ConditionRow| {
-            if !varies(row) {
-                return Ok(None);
-            }
-            let by_hand = known
-                .iter()
-                .find(|k| k.participant == row.participant && Some(k.condition) == baseline);
-            by_hand.map(|k| Some(k.variability())).ok_or_else(|| {
-                let whose = &row.participant;
-                StudyError::file(
-                    path,
-                    format!("has no row of the own drive of participant {whose}"),
-                )
-            })
-        };
-        conditions.iter().map(variability).collect()
     }
 }

@@ -18,11 +18,10 @@ use maveric_model::{
 use maveric_rehearsal::findings;
 use maveric_rehearsal::validation::{
     Across, Agreement, ByColumn, Dial, Driven, Fidelity, Held, Identification, Known, Likeness,
-    Reading, Values, accuracies, across, agreement, dial, fidelity, held, identify,
-    identify_posteriors, likeness, likeness_by_column, mean, regression, standardiser, values,
-    within_person,
+    Reading, Values, across, agreement, dial, fidelity, held, identify, identify_posteriors,
+    likeness, likeness_by_column, regression, standardiser, values, within_person,
 };
-use maveric_simulator::{RolloutReport, Scenario};
+use maveric_simulator::Scenario;
 use rides::Ridden;
 use serde::Serialize;
 
@@ -47,8 +46,6 @@ pub struct Examined {
     pub likeness: Vec<Likeness>,
     /// By what it is not.
     pub likeness_by_column: Vec<ByColumn>,
-    /// What it costs to wander as the owner does: the car without and with it, on the same roads.
-    pub wandering: Vec<Wandering>,
     /// Settings of the dial, in ADB points.
     pub steps: Vec<f64>,
     /// Does the dial do what it says?
@@ -67,41 +64,6 @@ pub struct Examined {
     pub rule_violations: u32,
     /// The car's drives.
     pub drives: usize,
-}
-
-/// The car in the own style, a drive each person.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Wandering {
-    /// Whether it wandered as its owner does.
-    pub wanders: bool,
-    /// Drives of the car, one a person.
-    pub drives: usize,
-    /// Accuracy of each of the seven measures, as in the fidelity.
-    pub accuracy: Vec<Option<f64>>,
-    /// Mean number of interventions of the safety layer in a drive.
-    pub interventions: Option<f64>,
-    /// Mean time nearer than the safety rule allows in a drive, in s.
-    pub inside_safe_distance_s: Option<f64>,
-    /// Collisions over all of them.
-    pub collisions: u32,
-}
-
-impl Wandering {
-    fn new(wanders: bool, rides: &[&Ridden], own: &[Values]) -> Self {
-        let values = values_of(rides.iter().copied());
-        let mean_of = |value: &dyn Fn(&RolloutReport) -> f64| {
-            let each: Vec<f64> = rides.iter().map(|r| value(&r.report)).collect();
-            mean(&each)
-        };
-        Self {
-            wanders,
-            drives: rides.len(),
-            accuracy: accuracies(&values, own),
-            interventions: mean_of(&|r| f64::from(r.interventions)),
-            inside_safe_distance_s: mean_of(&|r| r.inside_safe_distance_s),
-            collisions: rides.iter().map(|r| r.report.collisions).sum(),
-        }
-    }
 }
 
 /// What every model is examined with.
@@ -206,7 +168,6 @@ impl Examination<'_> {
         let (sideways, rest) = rest.split_at(test.len());
         let (elsewhere, rest) = rest.split_at(test.len());
         let (unscored, rest) = rest.split_at(test.len());
-        let (average, varying) = rest.split_at(test.len());
         let sweep = self.averaged(settings);
         // One drive a person, as in the study: fidelity is not helped by averaging roads.
         let own_style = || settings.chunks_exact(steps).map(|d| &d[ZERO * self.worlds]);
@@ -216,8 +177,7 @@ impl Examination<'_> {
             own: seen(FIRST),
             again: seen(AGAIN),
             mimic: own_style().map(|r| r.windows.clone()).collect(),
-            average: shown(average),
-            varying: shown(varying),
+            average: shown(rest),
         };
         let mimic = values_of(own_style());
         let [own_values, again_values] = by_day(test);
@@ -256,10 +216,6 @@ impl Examination<'_> {
             likeness: likeness(&like, self.seed)?,
             likeness_by_column: likeness_by_column(&like, self.seed)?,
             rule_violations: driven.iter().map(|d| d.report.rule_violations).sum(),
-            wandering: vec![
-                Wandering::new(false, &own_style().collect::<Vec<_>>(), &own_values),
-                Wandering::new(true, &varying.iter().collect::<Vec<_>>(), &own_values),
-            ],
             steps: STEPS.to_vec(),
             dial: dial(&STEPS, self.points, &sweep)?,
             perpendicular: across(&angles, &mimic, &values_of(sideways), &values_of(elsewhere))?,

@@ -140,10 +140,6 @@ pub(super) fn tables(
             "validation-likeness-by-column",
             rows(models, |m| &m.likeness_by_column, nothing),
         )?,
-        texts.table(
-            "validation-wandering",
-            rows(models, |m| &m.wandering, nothing),
-        )?,
         texts.table("validation-dial", rows(models, |m| &m.dial, with_room))?,
         texts.table(
             "validation-perpendicular",

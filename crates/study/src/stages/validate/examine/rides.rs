@@ -10,7 +10,6 @@ use maveric_measures::likeness::{Window, windows};
 use maveric_model::{
     Model, personalize,
     style_space::{LinearHead, PerpendicularEllipse},
-    variability,
 };
 use maveric_rehearsal::validation::{Values, values};
 use maveric_simulator::RolloutReport;
@@ -25,8 +24,6 @@ pub(super) struct Ride<'a> {
     world: usize,
     /// Whether an embedding is to be read back from it.
     read_back: bool,
-    /// Whether the car wanders as the person's first drive does.
-    varying: bool,
 }
 
 pub(super) struct Ridden {
@@ -60,11 +57,11 @@ impl Examination<'_> {
         Ok((rides, moved))
     }
 
-    /// Rides on another road, in the style that no score was asked for, as the average driver, and wandering: a person each, one after the other.
+    /// Rides on another road, in the style that no score was asked for, and as the average driver: a person each, one after the other.
     pub(super) fn beside_the_dial(&self, model: &Model, fits: &Fits) -> Vec<Ride<'_>> {
         let test = &self.people.test;
-        let scored = || test.iter().zip(&fits.scored);
-        let elsewhere = scored().map(|(person, w)| Self::ride(person, w, self.worlds));
+        let scored = test.iter().zip(&fits.scored);
+        let elsewhere = scored.map(|(person, w)| Self::ride(person, w, self.worlds));
         let unscored = test.iter().zip(&fits.own).map(|(person, w)| Ride {
             read_back: true,
             ..Self::ride(person, w, 0)
@@ -72,15 +69,7 @@ impl Examination<'_> {
         let average = test
             .iter()
             .map(|person| Self::ride(person, model.mean_embedding(), 0));
-        let varying = scored().map(|(person, w)| Ride {
-            varying: true,
-            ..Self::ride(person, w, 0)
-        });
-        elsewhere
-            .chain(unscored)
-            .chain(average)
-            .chain(varying)
-            .collect()
+        elsewhere.chain(unscored).chain(average).collect()
     }
 
     fn ride<'p>(person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
@@ -89,7 +78,6 @@ impl Examination<'_> {
             embedding: embedding.clone(),
             world,
             read_back: false,
-            varying: false,
         }
     }
 
@@ -112,15 +100,7 @@ impl Examination<'_> {
     pub(super) fn drive(&self, model: &Model, ride: &Ride<'_>) -> Result<Ridden, StudyError> {
         let id = ride.person.participant.as_str();
         let world = stream_seed(self.seed, &[id, "validate", &ride.world.to_string()]);
-        let wandering = ride.varying.then(|| variability(&ride.person.first));
-        let driven = drive_style(
-            model,
-            &ride.embedding,
-            wandering.as_ref(),
-            self.scenario,
-            world,
-        )?
-        .completed()?;
+        let driven = drive_style(model, &ride.embedding, self.scenario, world)?.completed()?;
         let meta = DriveMeta::new(
             DriveId::new(format!("{id}-validate"))?,
             ride.person.participant.clone(),

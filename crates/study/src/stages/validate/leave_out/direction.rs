@@ -124,8 +124,7 @@ pub(super) fn pointing(
     let driven = for_each_on(options.jobs, &rides, watch, "drives", |ride| {
         let who = ride.fold.person.as_str();
         let world = stream_seed(options.seed, &[who, "direction", &ride.world.to_string()]);
-        let done =
-            drive_style(&ride.fold.model, &ride.embedding, None, &scenario, world)?.completed()?;
+        let done = drive_style(&ride.fold.model, &ride.embedding, &scenario, world)?.completed()?;
         let meta = DriveMeta::new(
             DriveId::new(format!("{who}-direction"))?,
             ride.fold.person.clone(),
