@@ -127,7 +127,7 @@ macro_rules! kinds {
     };
 }
 
-const KINDS: [(&str, Draw); 29] = kinds![
+const KINDS: [(&str, Draw); 27] = kinds![
     ablation,
     aggression_line,
     architecture,
@@ -145,14 +145,12 @@ const KINDS: [(&str, Draw); 29] = kinds![
     flow,
     following_errors,
     forest,
-    lane_change_quality,
     learning_curve,
     perpendicular,
     preference,
     residuals,
     scatter,
     simulator_view,
-    step_responses,
     time_space,
     training_curves,
 ];

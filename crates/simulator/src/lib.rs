@@ -10,7 +10,6 @@ mod neighbours;
 mod normal;
 mod outcome;
 pub mod planner;
-mod response;
 pub mod road;
 mod rollout;
 pub mod scenario;
@@ -34,7 +33,6 @@ pub use drivers::{
 pub use error::SimulatorError;
 pub use outcome::{Rollout, RolloutReport};
 pub use planner::{PLANNING_RATE_HZ, PLANNING_STEP_S, Planner, View};
-pub use response::{LaneChangeTracking, StepResponse, lane_change_tracking, step_responses};
 pub use road::{CentreLine, MapPose, Segment};
 pub use rollout::rollout;
 pub use scenario::{

@@ -90,13 +90,7 @@ fn the_same_numbers_give_the_same_bytes() {
 #[test]
 fn what_shows_synthetic_participants_says_so_in_three_places() {
     for figure in kinds::figures(&kinds::context(7)).unwrap() {
-        let explains = [
-            "domain",
-            "architecture",
-            "step-responses",
-            "lane-change-quality",
-        ]
-        .contains(&figure.name.as_str());
+        let explains = ["domain", "architecture"].contains(&figure.name.as_str());
         let says = [
             figure.caption.contains("Synthetic participants"),
             figure

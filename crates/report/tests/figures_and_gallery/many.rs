@@ -69,11 +69,6 @@ fn crowds() -> Vec<Figure> {
     for model in &mut errors.models {
         model.gap_rmse_m = numbers(&model.gap_rmse_m);
     }
-    let mut changes = kinds::lane_change_quality::input();
-    changes.speed_mps = numbers(&changes.speed_mps);
-    for panel in &mut changes.panels {
-        panel.values = numbers(&panel.values);
-    }
     vec![
         figures::aggression_line(&line, &context()).unwrap(),
         figures::difference_panels(&differences, &context()).unwrap(),
@@ -82,7 +77,6 @@ fn crowds() -> Vec<Figure> {
         figures::perpendicular(&round, &context()).unwrap(),
         figures::dial_sweep(&sweep, &context()).unwrap(),
         figures::following_errors(&errors, &context()).unwrap(),
-        figures::lane_change_quality(&changes, &context()).unwrap(),
     ]
 }
 

@@ -5,6 +5,8 @@ mod automated;
 mod by_hand;
 mod emergency;
 mod following;
+#[cfg(test)]
+mod following_tests;
 mod idm;
 mod intervention;
 mod lane_change;

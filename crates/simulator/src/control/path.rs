@@ -348,4 +348,33 @@ mod tests {
             assert!(car.pose().y_m.abs() < 0.05 && steering.lane() == 0);
         }
     }
+
+    #[test]
+    fn the_front_axle_stays_within_decimetres_of_the_path_at_every_speed() {
+        const STEP_S: f64 = 0.01;
+        let line = CentreLine::default();
+        for speed in [15.0, 25.0, 35.0] {
+            for (mut car, within_m) in cars(speed).into_iter().zip([0.1, 0.25]) {
+                let mut steering = Steering::new(3.66, 1.5, 0, PathShape::Bezier);
+                steering.begin(OUT, car.pose());
+                let mut y_m = Vec::new();
+                for _ in 0..1400 {
+                    let axle = car.front_axle(&line);
+                    let error_m = axle.y_m - steering.path_at(axle.x_m).0;
+                    assert!(error_m.abs() < within_m, "{speed}: {error_m}");
+                    y_m.push(car.pose().y_m);
+                    drive(car.as_mut(), &mut steering, STEP_S);
+                }
+                let second = |w: &[f64]| (w[2] - 2.0 * w[1] + w[0]) / (STEP_S * STEP_S);
+                let acceleration: Vec<f64> = y_m.windows(3).map(second).collect();
+                assert!(acceleration.iter().all(|a| a.abs() < 2.0), "{speed}");
+                // Over a tenth of a second.
+                let jerk = acceleration.iter().zip(&acceleration[10..]);
+                assert!(
+                    jerk.clone().all(|(a, b)| (b - a).abs() / 0.1 < 20.0),
+                    "{speed}"
+                );
+            }
+        }
+    }
 }

@@ -53,7 +53,7 @@ pub fn versions() -> BTreeMap<String, String> {
         ("validate", 16),
         ("recommend", 7),
         ("rehearse", 12),
-        ("report", 22),
+        ("report", 23),
     ]
     .map(|(command, version)| (command.to_owned(), version.to_string()))
     .into()

@@ -26,7 +26,6 @@ pub(crate) mod following_errors;
 pub(crate) mod forest;
 pub(crate) mod interaction;
 pub(crate) mod intervals;
-pub(crate) mod lane_change_quality;
 pub(crate) mod learning_curve;
 pub(crate) mod perpendicular;
 pub(crate) mod preference;
@@ -34,7 +33,6 @@ pub(crate) mod press_course;
 pub(crate) mod residuals;
 pub(crate) mod scatter;
 pub(crate) mod simulator_view;
-pub(crate) mod step_responses;
 pub(crate) mod time_space;
 pub(crate) mod training_curves;
 
@@ -76,7 +74,7 @@ macro_rules! draw {
 }
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 34] = [
+pub(crate) const KINDS: [(&str, Draw); 32] = [
     draw!(flow),
     draw!(completeness),
     ("domain", domain::draw),
@@ -108,8 +106,6 @@ pub(crate) const KINDS: [(&str, Draw); 34] = [
     draw!(following_errors),
     draw!(drive_overview),
     draw!(time_space),
-    draw!(step_responses),
-    draw!(lane_change_quality),
 ];
 
 pub(crate) fn figures(context: &Context) -> Result<Vec<Figure>, ReportError> {

@@ -21,18 +21,6 @@ fn lines_begin_and_end_where_their_numbers_do() {
     }
     assert!(read > 3);
 
-    let steps = kinds::step_responses::input();
-    let figure = figures::step_responses(&steps, &context()).unwrap();
-    let ends = |x: &[f64], y: &[f64]| {
-        let last = x.len() - 1;
-        [Drawn::Line((x[0], y[0])), Drawn::Line((x[last], y[last]))]
-    };
-    let expected = steps
-        .panels
-        .iter()
-        .map(|panel| ends(&panel.time_s, &panel.value).into());
-    read_back(&figure, &expected.collect::<Vec<_>>());
-
     let drive = kinds::car_following::input();
     let figure = figures::car_following(&drive, &context()).unwrap();
     let time: Vec<f64> = drive.time_s.iter().map(|t| t - drive.time_s[0]).collect();

@@ -26,23 +26,6 @@ fn points_lie_where_both_their_numbers_say() {
         .collect();
     read_back(&figure, &expected);
 
-    let changes = kinds::lane_change_quality::input();
-    let figure = figures::lane_change_quality(&changes, &context()).unwrap();
-    let points = |values: &[f64]| {
-        let points = changes
-            .speed_mps
-            .iter()
-            .copied()
-            .zip(values.iter().copied());
-        marks(&points.collect::<Vec<_>>())
-    };
-    let expected: Vec<_> = changes
-        .panels
-        .iter()
-        .map(|panel| points(&panel.values))
-        .collect();
-    read_back(&figure, &expected);
-
     let round = kinds::perpendicular::input();
     let figure = figures::perpendicular(&round, &context()).unwrap();
     let place = |p: &figures::perpendicular::AngleChange| {
