@@ -288,10 +288,10 @@ fn the_page_needs_nothing_from_outside_and_says_who_is_made_up() {
 }
 
 #[test]
-fn without_a_script_there_are_a_still_time_lines_and_a_table() {
+fn without_a_script_there_are_time_lines_and_a_table() {
     let html = html(vec![drive(400, 2)]);
     assert!(html.contains("class=\"pl-controls\" hidden"));
-    assert!(html.contains("<path class=\"pl-ego\"") && html.contains("<path class=\"pl-speed\""));
+    assert!(html.contains("<path class=\"pl-speed\""));
     assert!(html.contains("class=\"pl-mark pl-right\" style=\"left:15.15%;width:20.20%\""));
     let table = html.split_once("<tbody>").unwrap().1;
     assert!(table.contains(
@@ -310,7 +310,7 @@ fn where_nobody_could_intervene_there_is_a_dash() {
 }
 
 #[test]
-fn a_curved_road_travels_along_and_bends_the_still() {
+fn a_curved_road_travels_along() {
     let radius = 400.0;
     let place = |i: u32| {
         let angle = f64::from(i) * 10.0 / radius;
@@ -321,7 +321,6 @@ fn a_curved_road_travels_along_and_bends_the_still() {
         step_m: 10.0,
         map_m: (0..100).map(place).collect(),
     };
-    let straight = html(vec![drive(400, 1)]);
     let mut curved = drive(400, 1);
     curved.centre_line = Some(line);
     let html = html(vec![curved]);
@@ -331,11 +330,6 @@ fn a_curved_road_travels_along_and_bends_the_still() {
     // 128 m ahead on a circle of 400 m the road has turned aside by 400 (1 - cos 0.32) = 20.3 m.
     let half = packed["half"].as_f64().unwrap() - 3.66 - 1.2;
     assert!((half - 20.3).abs() < 0.5, "{half}");
-    let corners = |html: &str| {
-        let tarmac = html.split_once("pl-tarmac\" d=\"").unwrap().1;
-        tarmac.split_once('"').unwrap().0.matches('L').count()
-    };
-    assert!(corners(&html) > corners(&straight));
     let mut reader = Reader::new(packed);
     for (quantum, order) in [(0.01, 2), (0.01, 1), (0.01, 1), (0.1, 1)] {
         reader.column(100, quantum, order);

@@ -3,9 +3,8 @@
 use super::check::check;
 use super::drive::{PlayerDrive, WatchPlayer};
 use super::pack::{Packer, Run, SAMPLES_PER_S, Sampled, sample};
-use super::still::{moment, still};
-use super::timeline::{Axes, GAP_AXIS_M, timeline};
-use super::view::{STILL_M, STRETCH, half_height_m, middle_m, stretch};
+use super::timeline::{Axes, GAP_AXIS_M, moment, timeline};
+use super::view::{SHOWN_M, STRETCH, half_height_m, middle_m, stretch};
 use crate::apa::number;
 use crate::error::ReportError;
 use crate::figures::{Context, font_face_css};
@@ -93,7 +92,7 @@ pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment,
         "unit": { "name": context.speed.name(), "perMps": context.speed.per_mps() },
         "duration": rounded(axes.duration_s),
         "moment": moment,
-        "ahead": rounded(STILL_M.1 / (STILL_M.0 + STILL_M.1)),
+        "ahead": rounded(SHOWN_M.1 / (SHOWN_M.0 + SHOWN_M.1)),
         "drives": drives().map(|(d, s)| drive_data(d, s)).collect::<Vec<_>>(),
     });
     let rows: Vec<Value> = drives()
@@ -280,15 +279,12 @@ fn row_value(drive: &PlayerDrive, sampled: &Sampled, axes: &Axes, moment: usize)
             }
         })
         .collect();
-    let half = half_height_m(drive) * stretch(drive);
     context! {
         label => &drive.label,
         note => &drive.note,
         condition => drive.condition.as_str(),
         now => now(sampled, moment, axes.unit),
-        still => Value::from_safe_string(still(drive, sampled, moment)),
         lines => Value::from_safe_string(timeline(sampled, axes)),
-        shape => format!("{:.3}", (STILL_M.0 + STILL_M.1) / (2.0 * half)),
         marks,
         head => percent((moment as f64 / SAMPLES_PER_S).min(axes.duration_s), axes),
         fastest => number(axes.speed.1, 0),

@@ -2,15 +2,14 @@
 //!
 //! [`player`] makes a fragment for a page of one's own, [`watch_page`] a page that stands alone. The numbers travel
 //! in the fragment as small integers (see [`POSITION_QUANTUM_M`], [`SPEED_QUANTUM_MPS`], [`GAP_QUANTUM_M`]) at
-//! [`SAMPLES_PER_S`]; one script draws them between those instants. Without a script the fragment shows a still, the
-//! time lines and a table.
+//! [`SAMPLES_PER_S`]; one script draws them between those instants. Without a script the fragment shows the time lines and a
+//! table.
 
 mod check;
 mod drive;
 mod fragment;
 mod from_recording;
 mod pack;
-mod still;
 mod timeline;
 mod view;
 

@@ -28,6 +28,25 @@ pub(super) struct Axes {
     pub(super) speed: (f64, f64),
 }
 
+/// The moment, as a sample, at which most drives have a vehicle ahead at 5 to 60 m; the first of them, on a whole second.
+pub(super) fn moment(drives: &[Sampled]) -> usize {
+    let second = SAMPLES_PER_S as usize;
+    let longest = drives.iter().map(|d| d.samples).max().unwrap_or(0);
+    let near = |drive: &&Sampled, sample: usize| {
+        let gap = drive.gap_m.get(sample).copied().flatten();
+        gap.is_some_and(|gap| (5.0..60.0).contains(&gap))
+    };
+    let count = |sample: usize| drives.iter().filter(|d| near(d, sample)).count();
+    let mut best = (0, 0);
+    for sample in (0..longest).step_by(second) {
+        let near_count = count(sample);
+        if near_count > best.1 {
+            best = (sample, near_count);
+        }
+    }
+    best.0
+}
+
 impl Axes {
     pub(super) fn new(drives: &[Sampled], unit: SpeedUnit) -> Self {
         let longest = drives.iter().map(|d| d.samples - 1).max().unwrap_or(0);
@@ -204,5 +223,19 @@ mod tests {
         assert_eq!(path("pl-gaps"), expected);
         let grid = "M0.0 0V64M250.0 0V64M500.0 0V64M750.0 0V64M1000.0 0V64M0 3H1000M0 29H1000M0 36H1000M0 62H1000";
         assert_eq!(path("pl-grid"), grid);
+    }
+
+    #[test]
+    fn the_moment_is_the_first_whole_second_at_which_most_follow_somebody() {
+        let of = |gap: &dyn Fn(usize) -> f64| {
+            let gap_m: Vec<_> = (0..51).map(|i| Some(gap(i))).collect();
+            sampled(&[50.0; 51], &gap_m, 51)
+        };
+        let first = of(&|i| if i < 11 { 61.0 } else { 20.0 });
+        let second = of(&|i| if i < 21 { 4.9 } else { 5.0 });
+        assert_eq!(moment(std::slice::from_ref(&first)), 15);
+        assert_eq!(moment(&[first, second]), 25);
+        assert_eq!(moment(&[of(&|_| 60.0)]), 0);
+        assert_eq!(moment(&[]), 0);
     }
 }

@@ -2,8 +2,8 @@
 
 use super::drive::{CentreLine, PlayerDrive};
 
-/// What a still shows behind ego and ahead, in m.
-pub(super) const STILL_M: (f64, f64) = (72.0, 128.0);
+/// What a wide picture shows behind ego and ahead, in m.
+pub(super) const SHOWN_M: (f64, f64) = (72.0, 128.0);
 /// Widths are drawn this many times as large as lengths, on a straight road.
 pub(super) const STRETCH: f64 = 1.6;
 /// Ground beside the road, in m.
@@ -38,51 +38,16 @@ impl CentreLine {
     }
 }
 
-/// The picture around a place of the road.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct View<'a> {
-    line: Option<&'a CentreLine>,
-    x_m: f64,
-    middle_m: f64,
-}
-
 /// Lateral position of the middle of the road, in m.
 pub(super) fn middle_m(drive: &PlayerDrive) -> f64 {
     0.5 * (f64::from(drive.lanes) - 1.0) * drive.lane_width_m
 }
 
-impl<'a> View<'a> {
-    pub(super) fn new(drive: &'a PlayerDrive, x_m: f64) -> Self {
-        Self {
-            line: drive.centre_line.as_ref(),
-            x_m,
-            middle_m: middle_m(drive),
-        }
-    }
-
-    /// Metres forward of ego and to the left of the middle of the road, and how far the road has turned, in rad.
-    pub(super) fn see(&self, x_m: f64, y_m: f64) -> (f64, f64, f64) {
-        let Some(line) = self.line else {
-            return (x_m - self.x_m, y_m - self.middle_m, 0.0);
-        };
-        let on_map = |x_m: f64, y_m: f64| {
-            let (east, north, heading) = line.at(x_m);
-            (
-                east - y_m * libm::sin(heading),
-                north + y_m * libm::cos(heading),
-                heading,
-            )
-        };
-        let viewpoint = on_map(self.x_m, self.middle_m);
-        let there = on_map(x_m, y_m);
-        let (dx, dy) = (there.0 - viewpoint.0, there.1 - viewpoint.1);
-        let (sin, cos) = libm::sincos(viewpoint.2);
-        (
-            dx * cos + dy * sin,
-            dy * cos - dx * sin,
-            there.2 - viewpoint.2,
-        )
-    }
+/// How far a place of the road lies to the left, seen along the road at `from_m`, in m.
+fn aside_m(line: &CentreLine, from_m: f64, x_m: f64) -> f64 {
+    let (here, there) = (line.at(from_m), line.at(x_m));
+    let (sin, cos) = libm::sincos(here.2);
+    (there.1 - here.1) * cos - (there.0 - here.0) * sin
 }
 
 /// How far the picture reaches to each side of the middle of the road, in m.
@@ -93,13 +58,8 @@ pub(super) fn half_height_m(drive: &PlayerDrive) -> f64 {
     };
     let sideways = (0..line.map_m.len()).map(|i| {
         let x_m = line.start_m + i as f64 * line.step_m;
-        let view = View {
-            line: Some(line),
-            x_m,
-            middle_m: 0.0,
-        };
-        let ahead = view.see(x_m + STILL_M.1, 0.0).1.abs();
-        ahead.max(view.see(x_m - STILL_M.0, 0.0).1.abs())
+        let ahead = aside_m(line, x_m, x_m + SHOWN_M.1).abs();
+        ahead.max(aside_m(line, x_m, x_m - SHOWN_M.0).abs())
     });
     straight + sideways.fold(0.0, f64::max).min(MOST_SIDEWAYS_M)
 }
@@ -171,30 +131,13 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_on_a_circle_around_is_seen_forward_and_to_the_left() {
+    fn what_lies_on_a_circle_is_seen_to_the_left() {
         let line = bend();
-        let view = |middle_m| View {
-            line: Some(&line),
-            x_m: 130.0,
-            middle_m,
-        };
         for s in [-60.0, 0.0, 45.0, 200.0] {
-            let angle: f64 = s / 200.0;
-            // A place 2 m to the left of the line is on a circle of 198 m.
-            for (y, middle) in [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 1.5)] {
-                let left = 200.0 - middle - (200.0 - y) * angle.cos();
-                near(
-                    view(middle).see(130.0 + s, y),
-                    ((200.0 - y) * angle.sin(), left, angle),
-                );
-            }
+            let expected = 200.0 * (1.0 - (s / 200.0_f64).cos());
+            let found = aside_m(&line, 130.0, 130.0 + s);
+            assert!((found - expected).abs() < 0.02, "{s}: {found}");
         }
-        let straight = View {
-            line: None,
-            x_m: 130.0,
-            middle_m: 1.5,
-        };
-        assert_eq!(straight.see(150.0, 4.0), (20.0, 2.5, 0.0));
     }
 
     #[test]
