@@ -30,7 +30,7 @@ pub use embedding::Embedding;
 pub use error::DomainError;
 pub use fitted::{BeyondWhy, EmbeddingRow};
 pub use ids::{DriveId, ParticipantId, VehicleId};
-pub use measurement::{MeasureValues, MeasuredDrive, Measurement, OwnMeasurement, spread};
+pub use measurement::{MeasureValues, MeasuredDrive, OwnMeasurement, spread};
 pub use nearest::nearest;
 pub use occasion::{Occasion, Ride};
 pub use recording::{EgoTrack, ObjectTrack, Recording};

@@ -3,21 +3,10 @@
 use crate::{
     condition::ConditionId,
     drive::DriveMeta,
-    ids::{DriveId, ParticipantId},
+    ids::ParticipantId,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// One measured value of one drive, in the unit that its measure declares.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Measurement {
-    /// Id of the drive that was measured.
-    pub drive: DriveId,
-    /// Code name of the measure, such as `mean_headway_time_s`: the unit is its suffix.
-    pub measure: String,
-    /// The value; `None` where the drive has none (a drive that never merges back).
-    pub value: Option<f64>,
-}
 
 /// One of the study's own measures of a person in a condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -25,7 +25,7 @@ pub(crate) use low_pass::derivatives;
 pub use time_gap::median_time_gap_s;
 pub(crate) use time_to_collision::inverse_time_to_collision;
 
-use maveric_domain::{Drive, Measurement, SpeedUnit, design::Sign};
+use maveric_domain::{Drive, SpeedUnit, design::Sign};
 
 /// One objective measure of a drive.
 ///
@@ -173,16 +173,6 @@ pub fn find(name: &str) -> Option<&'static Measure> {
     known.find(|m| m.name == name)
 }
 
-/// The seven measures of one drive, in the order of [`all`].
-pub fn measure(drive: &Drive) -> Vec<Measurement> {
-    let one = |m: &Measure| Measurement {
-        drive: drive.meta().drive.clone(),
-        measure: m.name.to_owned(),
-        value: m.of(drive),
-    };
-    ALL.iter().map(one).collect()
-}
-
 /// Mean of the values; `None` without any.
 fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let mut n = 0_u32;
@@ -213,13 +203,10 @@ mod tests {
     #[test]
     fn a_drive_without_lateral_positions_has_a_speed_and_no_measure_of_passing() {
         let drive = Scripted::new(40.0).lead(85.0, 25.0).pass(5.0, 30.0).drive();
-        assert!(measure(&drive).iter().all(|m| m.value.is_some()));
-        let found = measure(&drive.without_lateral());
-        let there: Vec<&str> = found
-            .iter()
-            .filter(|m| m.value.is_some())
-            .map(|m| m.measure.as_str())
-            .collect();
+        assert!(all().iter().all(|m| m.of(&drive).is_some()));
+        let without = drive.without_lateral();
+        let there = all().iter().filter(|m| m.of(&without).is_some());
+        let there: Vec<&str> = there.map(|m| m.name).collect();
         assert_eq!(there, ["mean_velocity_mps"]);
     }
 
@@ -242,7 +229,7 @@ mod tests {
     #[test]
     fn an_empty_road_gives_speed_count_and_lane_share_and_nothing_else() {
         let drive = Scripted::new(60.0).drive();
-        let values: Vec<Option<f64>> = measure(&drive).into_iter().map(|m| m.value).collect();
+        let values: Vec<Option<f64>> = all().iter().map(|m| m.of(&drive)).collect();
         assert_eq!(
             values,
             [Some(30.0), Some(0.0), None, None, None, None, Some(0.0)]
