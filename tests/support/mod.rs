@@ -3,7 +3,6 @@
 #![allow(
     dead_code,
     unreachable_pub,
-    missing_docs,
     clippy::unwrap_used,
     clippy::missing_panics_doc,
     reason = "each test file uses its own part of this, and a test stops at the first surprise"

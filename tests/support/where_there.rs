@@ -3,7 +3,6 @@
 #![allow(
     dead_code,
     unreachable_pub,
-    missing_docs,
     reason = "each test file uses its own part of this"
 )]
 

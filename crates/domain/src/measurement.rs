@@ -1,10 +1,6 @@
 //! What was measured of drives.
 
-use crate::{
-    condition::ConditionId,
-    drive::DriveMeta,
-    ids::ParticipantId,
-};
+use crate::{condition::ConditionId, drive::DriveMeta, ids::ParticipantId};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 

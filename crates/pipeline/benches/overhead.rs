@@ -1,11 +1,7 @@
 //! What the pipeline itself costs, beside what its stages do.
 //!
 //! `cargo bench -p maveric-pipeline`
-#![allow(
-    missing_docs,
-    clippy::unwrap_used,
-    reason = "a bench stops at the first surprise"
-)]
+#![allow(clippy::unwrap_used, reason = "a bench stops at the first surprise")]
 
 use std::fmt::Write as _;
 use std::fs;

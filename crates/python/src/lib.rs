@@ -3,7 +3,6 @@
 
 // The macros of PyO3 make functions that Python finds by their names, and hand out references as Python wants them.
 #![allow(
-    missing_docs,
     unreachable_pub,
     clippy::needless_pass_by_value,
     reason = "what is exported is documented where Python users read it"

@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 /// Why the seat cannot go on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum SeatError {
     /// The file of people and answers.
     #[error("{}: {source}", path.to_slash_lossy())]

@@ -12,7 +12,6 @@ pub(crate) const MOST_PROBE_ANSWERS: usize = 21;
 /// One thing that a study lacks, or that the seat cannot do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-#[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum Hindrance {
     /// Answers that another program is to export, where the seat writes its own.
     #[error("`files.software` is `{software:?}`, and the seat writes its answers as a plain table")]

@@ -1,4 +1,5 @@
 #![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
 #![expect(
     clippy::cast_possible_wrap,
     reason = "counts of subjects, conditions and ranks are far below 2^63"

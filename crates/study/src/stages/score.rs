@@ -76,7 +76,6 @@ pub enum Moments {
 
 /// Reliability of one subscale, and how its scores lie; a number that does not exist is missing.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct Reliability {
     pub scale: String,
     pub subscale: String,
@@ -99,7 +98,6 @@ pub struct Reliability {
 
 /// One item of a subscale, as scored (after reversal); complete respondents.
 #[derive(Debug, Clone, Serialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct ItemReliability {
     pub item: u32,
     pub reversed: bool,

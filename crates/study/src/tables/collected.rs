@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 
 /// Something that happened on a page or in a drive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct EventRow {
     pub participant: ParticipantId,
     pub step: usize,
@@ -56,7 +55,6 @@ pub fn read_consents(path: &Path) -> Result<Vec<ConsentRow>, StudyError> {
 
 /// What the experimenter noted, or was told by the seat.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct NoteRow {
     pub at: Option<String>,
     pub participant: Option<ParticipantId>,
@@ -66,7 +64,6 @@ pub struct NoteRow {
 
 /// A style that was lent to somebody in the seat.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct LentRow {
     pub participant: ParticipantId,
     pub condition: ConditionId,

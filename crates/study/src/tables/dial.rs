@@ -12,7 +12,6 @@ pub const ENDING: &str = ".dial.csv";
 
 /// One turn of the dial: a row of such a file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct Turn {
     pub participant: ParticipantId,
     pub time_s: f64,

@@ -7,7 +7,6 @@ use std::{collections::BTreeMap, sync::LazyLock};
 /// A table that the program writes, by the name of its entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub enum TableName {
     Answers,
     Codebook,

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 
 /// Answers to one item in one condition, as they were ticked; of a person with several rides there their mean.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "`columns.toml` says what they are")]
 pub struct ItemMean {
     pub scale: String,
     pub item: u32,

@@ -13,7 +13,6 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 
 // No doc: the test's own is its help.
-#[allow(missing_docs, reason = "a doc comment would stand in its help")]
 #[derive(Debug, Clone, clap::Args)]
 pub struct Call<T: Test> {
     #[command(flatten)]

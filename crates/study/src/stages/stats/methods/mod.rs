@@ -40,7 +40,6 @@ macro_rules! tests {
     ($($file:ident::$test:ident),+ $(,)?) => {
         /// Any of the tests, called.
         #[derive(Debug, Clone, clap::Subcommand)]
-        #[allow(missing_docs, reason = "a doc comment would stand in the help of the test")]
         pub enum AnyTest {
             $($test(Call<$file::$test>)),+
         }
