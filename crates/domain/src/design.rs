@@ -463,13 +463,4 @@ impl Design {
     pub fn has_a_dial(&self) -> bool {
         self.style.is_some()
     }
-
-    /// The same study with people made up, as a generator says of what it makes.
-    #[must_use]
-    pub fn made_up(self) -> Self {
-        Self {
-            synthetic: true,
-            ..self
-        }
-    }
 }

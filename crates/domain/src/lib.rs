@@ -46,4 +46,4 @@ pub use survey::{
 };
 pub use trace::{LaneActivity, TraceRow};
 pub use traits::LatentTraits;
-pub use units::{Metres, MetresPerSecond, MetresPerSecond2, Seconds, SpeedUnit};
+pub use units::{Metres, MetresPerSecond, Seconds, SpeedUnit};

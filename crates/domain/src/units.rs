@@ -58,10 +58,6 @@ unit!(
     MetresPerSecond, "m/s"
 );
 unit!(
-    /// An acceleration in metres per second squared.
-    MetresPerSecond2, "m/s²"
-);
-unit!(
     /// A duration in seconds.
     Seconds, "s"
 );

@@ -3,7 +3,7 @@
 
 use maveric_domain::{
     ConditionId, ConditionRow, DriveId, Embedding, LaneWish, Metres, MetresPerSecond,
-    MetresPerSecond2, ParticipantId, Road, Seconds, SweepPoint, VehicleId, When, stream_seed,
+    ParticipantId, Road, Seconds, SweepPoint, VehicleId, When, stream_seed,
 };
 
 #[test]
@@ -11,12 +11,12 @@ fn units_add_scale_and_divide_as_their_numbers_do() {
     assert_eq!(Metres(3.0) + Metres(4.0), Metres(7.0));
     assert_eq!(Metres(3.0) - Metres(4.0), Metres(-1.0));
     assert_eq!(-Seconds(3.0), Seconds(-3.0));
-    assert_eq!(MetresPerSecond2(3.0) * 2.0, MetresPerSecond2(6.0));
+    assert_eq!(MetresPerSecond(3.0) * 2.0, MetresPerSecond(6.0));
     assert_eq!(MetresPerSecond(30.0) * Seconds(2.0), Metres(60.0));
     assert!((Metres(6.0) / Metres(3.0) - 2.0).abs() < 1e-15);
     assert!((MetresPerSecond::from_mph(55.0).mph() - 55.0).abs() < 1e-12);
     assert!((MetresPerSecond(0.44704).mph() - 1.0).abs() < 1e-12);
-    assert_eq!(format!("{:.2}", MetresPerSecond2(-1.5)), "-1.50 m/s²");
+    assert_eq!(format!("{:.2}", MetresPerSecond(-1.5)), "-1.50 m/s");
     assert_eq!(Seconds(2.0).to_string(), "2 s");
 }
 

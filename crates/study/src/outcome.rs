@@ -76,11 +76,6 @@ impl<'a> Watch<'a> {
             Ok(())
         }
     }
-
-    /// The flag that stops the work, for a library that watches it itself.
-    pub fn cancel(&self) -> &'a AtomicBool {
-        self.cancel
-    }
 }
 
 impl Watch<'static> {

@@ -31,11 +31,6 @@ pub struct Exclude {
 }
 
 impl Exclude {
-    /// Whether nothing is left out by name and no rule stands.
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
-
     /// Whether a rule looks at what people answered.
     pub fn judges_answers(&self) -> bool {
         self.straight_lined || self.attention_missed_at_least.is_some()
@@ -44,11 +39,5 @@ impl Exclude {
     /// Why a person is left out by name.
     pub fn person(&self, id: &ParticipantId) -> Option<&str> {
         self.people.get(id).map(String::as_str)
-    }
-
-    /// Why a drive is left out by name; a person's drives go with the person.
-    pub fn drive(&self, drive: &DriveId, participant: &ParticipantId) -> Option<&str> {
-        let named = self.drives.get(drive).map(String::as_str);
-        named.or_else(|| self.person(participant))
     }
 }
