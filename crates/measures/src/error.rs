@@ -73,21 +73,3 @@ pub enum MeasureError {
         item: u32,
     },
 }
-
-impl MeasureError {
-    /// The next step to try, where one is known.
-    pub fn suggestion(&self) -> Option<String> {
-        match self {
-            Self::UnknownScale { scale, .. } => Some(format!(
-                "add a definition of `{scale}` to the folder of scales"
-            )),
-            Self::AnswerOutOfRange { scale, .. } => Some(format!(
-                "`min` and `max` of `{scale}` must be the answers people could give; reversed items are stored as answered"
-            )),
-            Self::DoubleAnswer { .. } => {
-                Some("keep one row for each participant, moment, scale and item".to_owned())
-            }
-            _ => None,
-        }
-    }
-}

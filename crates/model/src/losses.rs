@@ -49,15 +49,6 @@ pub struct LossWeights {
 }
 
 impl LossWeights {
-    /// The paper's plain sum.
-    pub const PAPER: Self = Self {
-        following_distance: 1.0,
-        lane_change: 1.0,
-        velocity: 1.0,
-        aggression: 1.0,
-        mutual_information: 1.0,
-    };
-
     /// Name and value of each, in order.
     pub(crate) fn named(&self) -> [(&'static str, f64); 5] {
         [

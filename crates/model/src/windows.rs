@@ -99,11 +99,6 @@ impl WindowBuffer {
         }
     }
 
-    /// The settings it was made with.
-    pub fn settings(&self) -> &WindowSettings {
-        &self.settings
-    }
-
     /// Forgets everything: a new drive, or a hole in this one.
     pub fn clear(&mut self) {
         self.samples.clear();

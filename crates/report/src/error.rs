@@ -145,34 +145,3 @@ pub enum ReportError {
         reason: String,
     },
 }
-
-impl ReportError {
-    /// The next step, where we know one.
-    pub fn suggestion(&self) -> Option<&'static str> {
-        match self {
-            Self::NotFinite { .. } | Self::TableNumber { .. } => {
-                Some("leave a missing value out, or pass it as missing, and count it")
-            }
-            Self::TooFew { .. } => Some("leave the figure out and say why in the section's text"),
-            Self::DuplicateName { .. } | Self::BadName { .. } => Some("rename it"),
-            _ => None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    #[test]
-    fn a_next_step_is_offered_where_one_is_known() {
-        let name = || "x".to_owned();
-        let says = |error: ReportError, word: &str| {
-            let found = error.suggestion().unwrap_or_default();
-            assert!(found.contains(word), "{error}: {found}");
-        };
-        says(ReportError::DuplicateName { name: name() }, "rename");
-        says(ReportError::BadName { name: name() }, "rename");
-        let reason = name();
-        assert_eq!(ReportError::Template { reason }.suggestion(), None);
-    }
-}

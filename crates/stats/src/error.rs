@@ -84,12 +84,6 @@ pub enum StatsError {
         /// The name that both would have.
         name: String,
     },
-    /// A condition in the data that is not in the given order.
-    #[error("condition `{condition}` is in the data but not in the given order of conditions")]
-    UnknownCondition {
-        /// The first that the order lacks.
-        condition: String,
-    },
     /// A factor whose every row has the same level.
     #[error("factor `{factor}` has one level, `{level}`, expected at least 2")]
     OneLevel {

@@ -20,7 +20,7 @@ impl WithinSubjects {
     /// Reads a tidy table: one row a cell, an empty value or no row for a missing one.
     ///
     /// The three slices have shape `(rows,)`. Conditions and subjects keep the order of
-    /// their first appearance; [`reordered`](Self::reordered) changes that of the conditions.
+    /// their first appearance.
     ///
     /// # Errors
     /// [`StatsError::LengthMismatch`]; [`StatsError::NotFinite`];
@@ -159,35 +159,6 @@ impl WithinSubjects {
             subjects,
             dropped,
             values,
-        })
-    }
-
-    /// The same data with the conditions in the given order.
-    ///
-    /// # Errors
-    /// [`StatsError::UnknownCondition`] if a condition is missing from `order`;
-    /// [`StatsError::LengthMismatch`] if `order` names others too.
-    pub fn reordered<S: AsRef<str>>(&self, order: &[S]) -> Result<Self, StatsError> {
-        StatsError::same_length("order of conditions", order.len(), self.k())?;
-        let mut from = Vec::with_capacity(self.k());
-        for condition in &self.conditions {
-            if !order.iter().any(|name| name.as_ref() == condition) {
-                return Err(StatsError::UnknownCondition {
-                    condition: condition.clone(),
-                });
-            }
-        }
-        for name in order {
-            from.extend(self.conditions.iter().position(|c| c == name.as_ref()));
-        }
-        let values = self
-            .rows()
-            .flat_map(|row| from.iter().map(|&j| row[j]))
-            .collect();
-        Ok(Self {
-            conditions: from.iter().map(|&j| self.conditions[j].clone()).collect(),
-            values,
-            ..self.clone()
         })
     }
 
@@ -404,14 +375,5 @@ mod tests {
         ));
         let twice = WithinSubjects::from_columns([("x", vec![1.0, 2.0]), ("x", vec![1.0, 2.0])]);
         assert!(matches!(twice, Err(StatsError::DoubleName { .. })));
-    }
-
-    #[test]
-    fn an_order_of_conditions_moves_the_columns() {
-        let data =
-            WithinSubjects::from_rows(&["x", "y"], &["a", "b"], &[vec![1.0, 2.0], vec![3.0, 4.0]])
-                .unwrap();
-        assert_eq!(data.reordered(&["y", "x"]).unwrap().column(0), [2.0, 4.0]);
-        assert!(data.reordered(&["y", "z"]).is_err());
     }
 }

@@ -16,24 +16,3 @@ pub struct ItemMatrix {
     /// Answers after reversal, shape `(n, k)`; `None` where an item was left out.
     pub answers: Vec<Vec<Option<f64>>>,
 }
-
-impl ItemMatrix {
-    /// The rows without a missing item at the moments that `keep` accepts, shape `(m, k)`, and how many rows
-    /// at those moments were dropped.
-    pub fn complete(&self, keep: impl Fn(Moment) -> bool) -> (Vec<Vec<f64>>, usize) {
-        let kept = self
-            .respondents
-            .iter()
-            .zip(&self.answers)
-            .filter(|((_, moment), _)| keep(*moment));
-        let mut dropped = 0;
-        let mut rows = Vec::new();
-        for (_, row) in kept {
-            match row.iter().copied().collect::<Option<Vec<f64>>>() {
-                Some(full) => rows.push(full),
-                None => dropped += 1,
-            }
-        }
-        (rows, dropped)
-    }
-}

@@ -38,10 +38,10 @@ fn tables() -> Vec<Table> {
         .text("Independent", |row| *row)
         .text("Dependent", |_| "M−C competence")
         .left("Here", |_| {
-            Cell::statement(Some(&apa::rho(-0.51, 22, 0.011)))
+            Cell::Marked(apa::rho(-0.51, 22, 0.011).markup().to_owned())
         })
         .left("Paper", |_| {
-            Cell::statement(Some(&apa::rho(-0.71, 22, 0.0001)))
+            Cell::Marked(apa::rho(-0.71, 22, 0.0001).markup().to_owned())
         })
         .noted(format!("*n* = {PARTICIPANTS} participants.")),
     ]

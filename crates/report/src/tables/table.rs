@@ -134,11 +134,6 @@ impl Cell {
         p.map_or(Self::Missing, Self::P)
     }
 
-    /// What a test says, as APA writes it, or missing.
-    pub fn statement(statement: Option<&apa::Statement>) -> Self {
-        statement.map_or(Self::Missing, |s| Self::Marked(s.markup().to_owned()))
-    }
-
     /// As shown, with marks.
     pub fn marked(&self) -> String {
         match self {

@@ -56,13 +56,16 @@ impl Table {
             .collect()
     }
 
+    /// Its columns in the order of [`Self::conditions`].
     pub(crate) fn within(&self) -> WithinSubjects {
-        let data = WithinSubjects::from_long(
-            &self.text("subject"),
-            &self.text("condition"),
-            &self.numbers("value"),
-        );
-        data.unwrap().reordered(&self.conditions).unwrap()
+        let (subject, condition) = (self.text("subject"), self.text("condition"));
+        let value = self.numbers("value");
+        let mut rows: Vec<usize> = (0..value.len()).collect();
+        rows.sort_by_key(|&row| self.conditions.iter().position(|c| *c == condition[row]));
+        let subject: Vec<String> = rows.iter().map(|&row| subject[row].clone()).collect();
+        let condition: Vec<String> = rows.iter().map(|&row| condition[row].clone()).collect();
+        let value: Vec<Option<f64>> = rows.iter().map(|&row| value[row]).collect();
+        WithinSubjects::from_long(&subject, &condition, &value).unwrap()
     }
 
     /// Moments with and without an event, a stratum a person.

@@ -30,16 +30,6 @@ pub struct PlayerFragment {
     pub script: &'static str,
 }
 
-impl PlayerFragment {
-    /// Style, section and script in one piece, for a page with one player.
-    pub fn in_one(&self) -> String {
-        format!(
-            "<style>\n{}</style>\n{}<script>\n{}</script>\n",
-            self.style, self.html, self.script
-        )
-    }
-}
-
 /// Makes the fragment. The same drives give the same bytes.
 ///
 /// # Errors
