@@ -127,7 +127,7 @@ macro_rules! kinds {
     };
 }
 
-const KINDS: [(&str, Draw); 27] = kinds![
+const KINDS: [(&str, Draw); 26] = kinds![
     ablation,
     aggression_line,
     architecture,
