@@ -361,13 +361,6 @@ impl PageDriven {
     }
 }
 
-/// Seed of what somebody with this token drives at `what`, where no server gives one.
-#[wasm_bindgen]
-#[expect(unreachable_pub, reason = "the page calls it")]
-pub fn world(token: &str, what: &str) -> String {
-    crate::world(token, what).to_string()
-}
-
 /// Drives the record in `lines` again: `{"same": …, "end_tick": …, "states": …}`.
 #[wasm_bindgen]
 #[expect(unreachable_pub, reason = "the page calls it")]

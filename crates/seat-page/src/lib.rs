@@ -15,7 +15,6 @@ mod practised;
 mod record;
 mod replay;
 mod rider;
-mod world;
 
 pub use digest::Digest;
 pub use drive::{Driven, SeatDrive};
@@ -27,6 +26,5 @@ pub use practised::Practised;
 pub use record::{Asked, Chunk, End, Event, Frames, Header, Held, Record};
 pub use replay::{Replayed, replay};
 pub use rider::Rider;
-pub use world::world;
 
 pub use maveric_steering::{Lending, RideStyle, Seed};

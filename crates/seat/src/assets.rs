@@ -75,21 +75,18 @@ pub(crate) fn address(name: &str) -> String {
     format!("/page/{}/{name}", *VERSION)
 }
 
-/// The page as it was built, with what it says.
-fn with_words(words: &Words) -> String {
-    let page = String::from_utf8_lossy(bytes("index.html"));
-    let sentences = format!("{WORDS}{}", words.for_page());
-    page.replace(HTML, &format!("<html lang=\"{}\">", words.language))
-        .replace(WORDS, &sentences)
-}
-
 /// Where the page says its language, and where its sentences begin.
 const HTML: &str = "<html lang=\"en\">";
 const WORDS: &str = "<script id=\"words\" type=\"application/json\">";
 
 /// The page that everybody with a link opens.
 pub(crate) fn page(words: &Words) -> Response {
-    let page = with_words(words).replace("\"/page/", &format!("\"{}", address("")));
+    let page = String::from_utf8_lossy(bytes("index.html"));
+    let sentences = format!("{WORDS}{}", words.for_page());
+    let page = page
+        .replace(HTML, &format!("<html lang=\"{}\">", words.language))
+        .replace(WORDS, &sentences)
+        .replace("\"/page/", &format!("\"{}", address("")));
     ([(header::CONTENT_TYPE, "text/html; charset=utf-8")], page).into_response()
 }
 
@@ -133,21 +130,4 @@ fn takes_gzip(headers: &HeaderMap) -> bool {
 pub(crate) fn bytes(name: &str) -> &'static [u8] {
     let file = FILES.iter().find(|(known, ..)| *known == name);
     file.map_or(&[], |(.., bytes)| *bytes)
-}
-
-/// The page as a file beside its script and its study, with the policy that the server would send; `sends_to` is where it may send.
-pub(crate) fn static_page(sends_to: Option<&str>, words: &Words) -> Vec<u8> {
-    let policy = format!(
-        "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self' {}; img-src 'self' data:; \
-         base-uri 'none'; form-action 'none'",
-        sends_to.unwrap_or_default()
-    );
-    let meta = format!(
-        "<meta charset=\"utf-8\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n<meta name=\"referrer\" content=\"no-referrer\">"
-    );
-    with_words(words)
-        .replace("<html ", "<html data-study=\"study.json\" ")
-        .replace("<meta charset=\"utf-8\">", &meta)
-        .replace("\"/page/", "\"")
-        .into_bytes()
 }

@@ -3,7 +3,6 @@
 use crate::{
     error::SeatError,
     listed::{KeptSheet, Listed},
-    parts::Carried,
     person::Person,
     steps::Step,
     token,
@@ -78,30 +77,6 @@ impl Books<'_> {
             "INSERT INTO person (token, participant, steps, at, ended, fit, row, made, since) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8)",
             params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, person.row.map(whole), now()],
         )
-    }
-
-    /// Lets in somebody with all that they gave.
-    pub(crate) fn take_in(&self, person: &Person, given: &Carried) -> Result<(), SeatError> {
-        self.add(person)?;
-        let who = &person.participant;
-        for (step, sheet) in &given.sheets {
-            self.answer(person, *step, sheet)?;
-        }
-        for (step, attempt, parts) in &given.drives {
-            let Some(header) = &parts.header else {
-                continue;
-            };
-            let place = (*step, *attempt);
-            self.begin(who, place, header)?;
-            // What does not follow on what came before is as good as not handed over.
-            let kept = self.keep(who, place, &parts.pieces)?;
-            if let (Some(kept), Some((at, end))) = (kept, &parts.end)
-                && *at == kept
-            {
-                self.end(who, place, end)?;
-            }
-        }
-        Ok(())
     }
 
     /// The person of a token.

@@ -165,7 +165,7 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
 mod tests {
     use super::*;
     use crate::{
-        plan::{Riding, Styles, Whose, of_design},
+        plan::{Riding, Styles, of_design},
         steps::Step,
     };
 
@@ -177,8 +177,7 @@ mod tests {
             styles: &Styles::new(),
             range: ScoreRange::ADB,
         };
-        let (texts, nobody) = (Texts::default(), Whose::Nobody);
-        let steps = of_design(&design, &[], &texts, nobody, Some(riding)).unwrap();
+        let steps = of_design(&design, &[], &Texts::default(), "P001", Some(riding)).unwrap();
         let [
             Step::Controls,
             Step::Drive { seconds, .. },

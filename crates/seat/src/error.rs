@@ -64,14 +64,6 @@ pub enum SeatError {
     /// A log without the record of a drive.
     #[error("{} holds no record of a drive", .0.to_slash_lossy())]
     NoRecord(PathBuf),
-    /// A file that somebody handed back.
-    #[error("{}, line {line}: {problem}", path.to_slash_lossy())]
-    Carried {
-        path: PathBuf,
-        /// Counted from 1.
-        line: usize,
-        problem: String,
-    },
     /// A model that is none.
     #[error("the model that is to ride: {0}")]
     Model(#[from] ModelError),

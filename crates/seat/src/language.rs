@@ -1,8 +1,6 @@
 //! In which language somebody goes on.
 
-use crate::{
-    error::SeatError, person::Person, plan::Whose, request::Refused, seat::Seat, steps::Step,
-};
+use crate::{error::SeatError, person::Person, request::Refused, seat::Seat, steps::Step};
 
 impl Seat {
     /// Keeps the language that somebody chose, and says all that comes in it.
@@ -19,8 +17,7 @@ impl Seat {
             return Ok(person.at);
         }
         let order = self.order_of(&person)?;
-        let whose = Whose::Person(&person.participant);
-        let mut steps = self.steps_of(Some(wanted), whose, &order)?;
+        let mut steps = self.steps_of(Some(wanted), &person.participant, &order)?;
         // What was made longer before stays so.
         for (new, old) in steps.iter_mut().zip(&person.steps) {
             if let (Some(seconds), Some((_, kept))) = (new.seconds_mut(), old.world()) {

@@ -36,21 +36,7 @@ fn with_the_next<T: Clone>(mut tested: Vec<T>) -> Vec<T> {
 impl Seat {
     /// The conditions in which whoever is let in now would have somebody else's style, of too few who let theirs be lent.
     pub fn few_donors(&self) -> Result<Vec<Hindrance>, SeatError> {
-        self.few_lenders(self.store.look(|b| self.tested(b, None))?)
-    }
-
-    /// Refuses to let somebody ride in such a condition; where no server is, nobody who is tested lends theirs.
-    pub(crate) fn refuse_few_donors(&self, with_server: bool) -> Result<(), SeatError> {
-        let few = if with_server {
-            self.few_donors()?
-        } else {
-            self.few_lenders(Vec::new())?
-        };
-        let refused = |few: &Hindrance| Err(SeatError::cannot(few.to_string(), &few.remedy()));
-        few.first().map_or(Ok(()), refused)
-    }
-
-    fn few_lenders(&self, tested: Vec<(DriveId, Embedding)>) -> Result<Vec<Hindrance>, SeatError> {
+        let tested = self.store.look(|b| self.tested(b, None))?;
         let mut few = Vec::new();
         let Some(model) = self.model.as_ref().filter(|_| self.rides()) else {
             return Ok(few);
@@ -71,6 +57,13 @@ impl Seat {
             }
         }
         Ok(few)
+    }
+
+    /// Refuses to let somebody ride in such a condition.
+    pub(crate) fn refuse_few_donors(&self) -> Result<(), SeatError> {
+        let few = self.few_donors()?;
+        let refused = |few: &Hindrance| Err(SeatError::cannot(few.to_string(), &few.remedy()));
+        few.first().map_or(Ok(()), refused)
     }
 
     /// Writes into the rides that wait for somebody else's style which may not be lent; gives whether that is new.
@@ -112,8 +105,6 @@ impl Seat {
     }
 
     /// Draws whose style is lent in those rides of a person's steps that have somebody else's; `style` is what was learned of their drive.
-    ///
-    /// Whoever rode where no server was has ridden in the style that the page drew: it stays.
     pub(crate) fn lend(
         &self,
         b: &Books<'_>,
@@ -156,8 +147,7 @@ impl Seat {
                 continue;
             };
             let condition = self.settings.design.condition(*condition);
-            let matched = condition.filter(|_| person.ended.is_none());
-            let drawn = match matched.map(|c| (c.id, &c.car)) {
+            let drawn = match condition.map(|c| (c.id, &c.car)) {
                 Some((id, Some(Car::Matched(matched)))) => {
                     let lending = Lending::of(model, *matched, tested.clone(), &withheld);
                     let mut lending = lending.map_err(StudyError::from)?;
@@ -173,7 +163,7 @@ impl Seat {
                 },
             };
             let Some((embedding, from)) = drawn.map_err(StudyError::from)? else {
-                nobodys.extend(matched.map(|condition| condition.id));
+                nobodys.extend(condition.map(|condition| condition.id));
                 continue;
             };
             *style = RideStyle::Given(embedding);

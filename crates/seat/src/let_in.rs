@@ -3,11 +3,8 @@
 use crate::{
     books::{Books, whole},
     error::SeatError,
-    parts::Carried,
     person::{NEVER_CAME, Person},
-    plan::Whose,
     seat::Seat,
-    steps::Step,
     token,
 };
 use maveric_domain::{
@@ -41,7 +38,7 @@ impl Books<'_> {
         Ok(row)
     }
 
-    /// Whether somebody takes part: they opened their link, or handed over what they gave, were admitted and agreed. Nobody else stands in
+    /// Whether somebody takes part: they opened their link, were admitted and agreed. Nobody else stands in
     /// the study's tables.
     pub(crate) fn takes_part(&self, person: &Person) -> Result<bool, SeatError> {
         let question = "SELECT tab IS NOT NULL FROM person WHERE token = ?1";
@@ -163,29 +160,6 @@ impl Seat {
         Ok(checked.into())
     }
 
-    /// Lets in somebody who took part elsewhere in this row of the square, with all that they gave, or not at all.
-    pub(crate) fn take_in(
-        &self,
-        (token, row): (&str, usize),
-        steps: &[Step],
-        given: &Carried,
-    ) -> Result<Person, SeatError> {
-        let person = self.store.within(|b| {
-            let rides = self.rides();
-            let person = Person {
-                at: steps.len(),
-                ended: Some(given.ended.clone()),
-                fit: given.style.clone(),
-                row: rides.then(|| b.free_row(row, self.orders())).transpose()?,
-                ..Person::new(token.to_owned(), self.id_for(b, None)?, steps.to_vec())
-            };
-            b.take_in(&person, given)?;
-            Ok::<_, SeatError>(person)
-        })?;
-        self.add_link(&person);
-        Ok(person)
-    }
-
     /// Lets the next person in: their token.
     pub fn let_in(&self) -> Result<String, SeatError> {
         self.invite(&Invitation::default())
@@ -201,7 +175,7 @@ impl Seat {
         let rides = self.rides();
         if rides {
             self.model_for_page()?;
-            self.refuse_few_donors(true)?;
+            self.refuse_few_donors()?;
         }
         let token = token::new()?;
         let person = self.store.within(|b| {
@@ -213,7 +187,7 @@ impl Seat {
                 let row = b.free_row(0, 1)?;
                 (Some(row), self.order(row))
             };
-            let steps = self.steps_of(None, Whose::Person(&participant), &order)?;
+            let steps = self.steps_of(None, &participant, &order)?;
             let person = Person {
                 row: row.filter(|_| rides),
                 ..Person::new(token.clone(), participant, steps)

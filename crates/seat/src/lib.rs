@@ -10,7 +10,6 @@ mod asked_first;
 mod assets;
 mod between;
 mod books;
-pub mod carried;
 mod collected;
 mod connections;
 mod consent;

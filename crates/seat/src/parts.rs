@@ -10,12 +10,3 @@ pub(crate) struct Parts {
     /// The step at which it ended, and the line that says so.
     pub(crate) end: Option<(u64, String)>,
 }
-
-/// What somebody handed back, checked.
-#[derive(Debug, Default)]
-pub(crate) struct Carried {
-    pub(crate) sheets: Vec<(usize, String)>,
-    pub(crate) drives: Vec<(usize, u32, Parts)>,
-    pub(crate) style: Option<String>,
-    pub(crate) ended: String,
-}

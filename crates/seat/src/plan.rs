@@ -22,35 +22,9 @@ use std::{collections::BTreeMap, path::PathBuf};
 /// The files of styles that conditions name, by the path that the design has.
 pub type Styles = BTreeMap<PathBuf, Vec<EmbeddingRow>>;
 
-/// By what somebody's random choices and rows are found.
-#[derive(Debug, Clone, Copy)]
-pub enum Whose<'a> {
-    /// By their id.
-    Person(&'a str),
-    /// By the token of their browser, where no server gives ids.
-    Link(&'a str),
-    /// Nobody's yet: the page draws by its token.
-    Nobody,
-}
-
-impl Whose<'_> {
-    /// Root of the random choices of a world that nobody else has.
-    fn world(self, root: u64, what: &str) -> String {
-        match self {
-            Self::Person(id) => stream_seed(root, &[id, what, "world"]).to_string(),
-            Self::Link(token) => maveric_seat_page::world(token, what).to_string(),
-            Self::Nobody => String::new(),
-        }
-    }
-
-    /// Root of the angle across the dial, and of the donor: of a person the one that `maveric steer` takes.
-    fn place(self, root: u64, condition: ConditionId) -> Seed {
-        Seed(match self {
-            Self::Person(id) => stream_seed(root, &[id, condition.as_str()]),
-            Self::Link(token) => maveric_seat_page::world(token, &format!("{condition} across")),
-            Self::Nobody => 0,
-        })
-    }
+/// Root of the random choices of a world that nobody else has.
+fn own_world(root: u64, participant: &str, what: &str) -> String {
+    stream_seed(root, &[participant, what, "world"]).to_string()
 }
 
 /// Somebody who rides.
@@ -73,7 +47,7 @@ pub fn of_design(
     design: &Design,
     scales: &[Scale],
     texts: &Texts,
-    whose: Whose<'_>,
+    participant: &str,
     riding: Option<Riding<'_>>,
 ) -> Result<Vec<Step>, SeatError> {
     let baseline = ConditionId::new(design.own_drive_label())?;
@@ -83,7 +57,7 @@ pub fn of_design(
         design,
         scales,
         texts,
-        whose,
+        participant,
         riding,
         baseline,
         // Where it may stop somebody it is asked in every drive.
@@ -105,7 +79,7 @@ struct Planning<'a> {
     design: &'a Design,
     scales: &'a [Scale],
     texts: &'a Texts,
-    whose: Whose<'a>,
+    participant: &'a str,
     riding: Option<Riding<'a>>,
     /// The label of the drive by hand.
     baseline: ConditionId,
@@ -163,7 +137,7 @@ impl Planning<'_> {
                 seconds: protocol.practice.at_most_s,
                 lane_kept_s: protocol.practice.lane_kept_s,
                 passes: protocol.practice.passes,
-                seed: self.whose.world(protocol.seed, "practice"),
+                seed: own_world(protocol.seed, self.participant, "practice"),
                 probe: self.stops.clone(),
             }),
             ProtocolStep::Drive => {
@@ -176,7 +150,7 @@ impl Planning<'_> {
                     condition,
                     occasion,
                     seconds: protocol.drive_s,
-                    seed: world(protocol, self.whose, (0, ride)),
+                    seed: world(protocol, self.participant, (0, ride)),
                     probe: self.stops.clone(),
                 });
             }
@@ -225,7 +199,7 @@ impl Planning<'_> {
         session: u32,
         steps: &mut Vec<Step>,
     ) -> Result<(), SeatError> {
-        let (design, whose) = (self.design, self.whose);
+        let (design, participant) = (self.design, self.participant);
         let (protocol, conditions) = (design.protocol(), design.conditions());
         let trials = 1..=protocol.rides_per_condition;
         let ridden = trials.flat_map(|trial| riding.order.iter().map(move |place| (trial, *place)));
@@ -245,7 +219,7 @@ impl Planning<'_> {
                     number,
                 });
             } else {
-                let (style, points, turns) = driven(design, condition, whose, riding)?;
+                let (style, points, turns) = driven(design, condition, participant, riding)?;
                 let among_all = (session as usize - 1) * a_session + number;
                 // The world of the drive, where that is shown again.
                 let among_all = if shown_again { 0 } else { among_all };
@@ -254,7 +228,7 @@ impl Planning<'_> {
                     occasion: ride.occasion,
                     number,
                     seconds: protocol.ride_s,
-                    seed: world(protocol, whose, (among_all, ride)),
+                    seed: world(protocol, participant, (among_all, ride)),
                     style,
                     points,
                     turns,
@@ -367,11 +341,11 @@ fn has_part(session: u32, last: u32, part: ProtocolStep) -> bool {
 }
 
 /// Root of the world of a ride by its number through all sessions, or of the drive by hand, which is 0 in each.
-fn world(protocol: &Protocol, whose: Whose<'_>, (ride, what): (usize, Ride)) -> String {
+fn world(protocol: &Protocol, participant: &str, (ride, what): (usize, Ride)) -> String {
     let number = match protocol.world {
         World::ByRide => ride,
         World::Same => ride.min(1),
-        World::Own => return whose.world(protocol.seed, &what.to_string()),
+        World::Own => return own_world(protocol.seed, participant, &what.to_string()),
     };
     let number = number.to_string();
     let mut named = vec!["world", &number];
@@ -393,7 +367,7 @@ pub(crate) fn ridden_elsewhere(design: &Design) -> bool {
 fn driven(
     design: &Design,
     condition: &Condition,
-    whose: Whose<'_>,
+    participant: &str,
     riding: Riding<'_>,
 ) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
     let style = design.style();
@@ -402,26 +376,27 @@ fn driven(
         .unwrap_or(riding.range.step(1.0));
     // Three turns are a step.
     let turn = style.map_or(1.0, |s| s.aggression.factor()) * step / 3.0;
-    let root = design.protocol().seed;
+    // Root of the angle across the dial, and of the donor: the one that `maveric steer` takes.
+    let place = || {
+        let root = design.protocol().seed;
+        Seed(stream_seed(root, &[participant, condition.id.as_str()]))
+    };
     let style = match car(condition)? {
         Car::Dial(points) => return Ok((RideStyle::Own, *points, None)),
         Car::Free => return Ok((RideStyle::Own, 0.0, Some(turn))),
         Car::Replay => RideStyle::Replay,
         Car::Mean => RideStyle::Mean,
-        Car::Across => RideStyle::Across(whose.place(root, condition.id)),
+        Car::Across => RideStyle::Across(place()),
         Car::Matched(matched) => RideStyle::Lent {
             apart_sd: matched.apart_sd,
-            seed: whose.place(root, condition.id),
+            seed: place(),
             // Who these are the seat says, which has asked them.
             withheld: std::collections::BTreeSet::new(),
         },
         Car::Embedding(file) => {
             let rows = riding.styles.get(file).map_or(&[][..], Vec::as_slice);
-            let id = match whose {
-                Whose::Person(id) => Some(ParticipantId::new(id)?),
-                Whose::Link(_) | Whose::Nobody => None,
-            };
-            RideStyle::Given(style_of(rows, file, id.as_ref())?.clone())
+            let participant = ParticipantId::new(participant)?;
+            RideStyle::Given(style_of(rows, file, &participant)?.clone())
         }
         _ => {
             return Err(

@@ -45,11 +45,4 @@ impl Books<'_> {
             })
         })
     }
-
-    /// Remembers a token whose owner was held back; false where it was before.
-    pub(crate) fn first_time(&self, token: &str) -> Result<bool, SeatError> {
-        let link = crate::token::sha256(token);
-        self.ask(|c| c.execute("INSERT OR IGNORE INTO judged (link) VALUES (?1)", [link]))
-            .map(|added| added > 0)
-    }
 }

@@ -11,7 +11,7 @@ use crate::{
     known::Known,
     listed::Listed,
     person::Person,
-    plan::{self, Riding, Styles, Whose},
+    plan::{self, Riding, Styles},
     servable::hindrances,
     steps::{Step, Texts},
     store::Store,
@@ -280,11 +280,11 @@ impl Seat {
         self.settings.range.or_else(models)
     }
 
-    /// The steps of `whose`, who rides in this order of the conditions, in a language as [`Seat::texts_in`] takes it.
+    /// The steps of somebody who rides in this order of the conditions, in a language as [`Seat::texts_in`] takes it.
     pub(crate) fn steps_of(
         &self,
         language: Option<&str>,
-        whose: Whose<'_>,
+        participant: &str,
         order: &[usize],
     ) -> Result<Vec<Step>, SeatError> {
         let s = &self.settings;
@@ -294,7 +294,7 @@ impl Seat {
             range: self.score_range().unwrap_or(ScoreRange::ADB),
         });
         let texts = self.texts_in(language);
-        let mut steps = plan::of_design(&s.design, &s.scales, texts, whose, riding)?;
+        let mut steps = plan::of_design(&s.design, &s.scales, texts, participant, riding)?;
         self.withhold(&mut steps);
         Ok(steps)
     }

@@ -1,7 +1,6 @@
 //! In which language somebody goes on: chosen first, and everything after comes in it.
 
 use crate::support::{MOOD, STUDY, Server, folder_of, open, opened, read, script::Script, tells};
-use maveric_seat::carried;
 use std::fs;
 
 const GERMAN: &str = "[translation.de]\nitems = [\"Ich bin ruhig.\", \"Ich bin angespannt.\"]\n";
@@ -90,11 +89,6 @@ fn what_a_language_lacks_is_said_before_anybody_is_let_in() {
     let refused = open(folder.path());
     let told = refused.err().unwrap().to_string();
     assert!(told.contains("`mood` in `de`"), "{told}");
-    // Static files speak one language.
-    let folder = self::folder(true);
-    let seat = open(folder.path()).unwrap();
-    let refused = carried::export(&seat, &folder.path().join("online"), None).unwrap_err();
-    assert!(refused.to_string().contains("languages"), "{refused}");
 }
 
 #[test]

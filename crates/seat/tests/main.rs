@@ -15,7 +15,6 @@ mod limits;
 mod live;
 mod moments;
 mod older;
-mod online;
 mod payment;
 mod ranges;
 mod repeated;

@@ -2,10 +2,8 @@
 
 use crate::support::{
     MISC, STUDY, Server, TAB, folder_of, lab, open, opened, read,
-    script::{TOKEN, driven, finish, go_on, piece, until, written},
-    tells,
+    script::{driven, finish, go_on, piece, until},
 };
-use maveric_seat::carried;
 use maveric_study::tables::surveys::read_answered;
 use serde_json::json;
 use std::fs;
@@ -238,33 +236,4 @@ fn whose_computer_lacks_what_the_study_needs_is_counted_by_it_before_anything_is
         "rule,people\nabout.age >= 18,1\nneeds.width_px >= 1280,1\n"
     );
     assert!(!read(folder.path(), "participants.csv").contains("P00"));
-}
-
-#[test]
-fn online_who_is_not_admitted_is_counted_once_and_is_nobody() {
-    let folder = folder(&study());
-    let seat = crate::support::seat(folder.path());
-    let hand_over = |rule: u32| {
-        let lines = [
-            json!({"maveric_seat_person": 1, "token": TOKEN, "row": 0}),
-            json!({"not_admitted": rule}),
-        ];
-        carried::take_in(&seat, &written(folder.path(), &lines))
-    };
-    let strange = hand_over(7).unwrap_err().to_string();
-    tells(&strange, &["line 2", "rule 7"]);
-    let taken = hand_over(1).unwrap();
-    assert_eq!(
-        (taken.ended.as_str(), taken.participant.as_str()),
-        ("not admitted", "")
-    );
-    assert_eq!(
-        read(folder.path(), "seat/not_admitted.csv"),
-        "rule,people\nabout.2 > 1,1\n"
-    );
-    assert!(hand_over(1).is_err_and(|e| e.to_string().contains("counted before")));
-    assert_eq!(
-        read(folder.path(), "participants.csv"),
-        "participant,study,order\n"
-    );
 }

@@ -2,10 +2,10 @@
 
 use crate::support::{
     MISC, STUDY, Server, TAB, folder_of, lab, opened, read,
-    script::{Script, driven, handed_over, until, written},
+    script::{Script, driven, until},
     tells,
 };
-use maveric_seat::{carried, replay};
+use maveric_seat::replay;
 use serde_json::{Value, json};
 use std::fs;
 
@@ -102,28 +102,6 @@ fn a_reason_that_the_study_does_not_have_is_refused_and_the_button_is_always_the
     };
     assert_eq!(server.post(&path, &with("misc >= 3")).0, 400);
     assert_eq!(server.post(&path, &with("unwell")).0, 200);
-}
-
-#[test]
-fn online_who_stopped_hands_over_what_there_is() {
-    let folder = folder();
-    let seat = crate::support::seat(folder.path());
-    let person = Script {
-        stops: Some((700, "unwell")),
-        ..Script::default()
-    };
-    let (mut lines, _) = handed_over(&seat, folder.path(), 0, &person);
-    lines.push(json!({"ended": "done"}));
-    let file = written(folder.path(), &lines);
-    let taken = carried::take_in(&seat, &file).unwrap();
-    assert_eq!(
-        (taken.participant.as_str(), taken.ended.as_str()),
-        ("P001", "done")
-    );
-    assert_eq!(
-        read(folder.path(), "seat/stopped.csv"),
-        "participant,condition,time_s,reason\nP001,calm,7.0,unwell\n"
-    );
 }
 
 #[test]

@@ -6,7 +6,6 @@ use crate::support::{
     tells,
 };
 use maveric_domain::{DriveId, Embedding, EmbeddingRow, ParticipantId};
-use maveric_seat::carried;
 use maveric_seat_page::Record;
 use maveric_study::tables::embeddings::write_embeddings;
 use serde_json::{Value, json};
@@ -136,21 +135,4 @@ fn styles_of_another_model_no_file_and_nothing_across_are_refused_when_the_seat_
         &across,
         &["`sporty` cannot be driven by the model", "two numbers"],
     );
-}
-
-#[test]
-fn online_a_file_of_styles_has_one_row_for_everybody() {
-    let folder = folder_of(&study(BY_FILE));
-    styles(folder.path(), &[("P001", &[0.7]), ("P002", &[-0.4])]);
-    let out = folder.path().join("online");
-    let told = carried::export(&crate::support::seat(folder.path()), &out, None).unwrap_err();
-    assert!(told.to_string().contains("one row for everybody"), "{told}");
-    styles(folder.path(), &[("everybody", &[0.7])]);
-    carried::export(&crate::support::seat(folder.path()), &out, None).unwrap();
-    let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
-    let steps = study["rows"][0].as_array().unwrap();
-    let given = steps
-        .iter()
-        .filter(|step| step["style"] == json!({"given": [0.7]}));
-    assert_eq!(given.count(), 1);
 }

@@ -5,9 +5,7 @@ use crate::{
     diagnostics::{Failure, tell},
     interrupt, progress,
 };
-use maveric_seat::{
-    Hindrance, Seat as Open, SeatError, SeatSettings, Wire, carried, demo, files, replay,
-};
+use maveric_seat::{Hindrance, Seat as Open, SeatError, SeatSettings, Wire, demo, files, replay};
 use maveric_study::outcome::Format;
 use maveric_study::{
     DesignFile, StudyError, check_design, design::DESIGN_FILE, run_folder, style_range,
@@ -35,9 +33,7 @@ Examples: maveric seat --demo             drive three minutes, ride in your own 
           maveric seat my_study           the study of that folder: links for people at /lab
           maveric seat forget P007 --study my_study
           maveric seat paid --study my_study
-          maveric seat replay my_study/logs/seat/P001-own.mcap
-          maveric seat export online --study my_study --post https://example.org/answers
-          maveric seat import --study my_study handed_over/*.jsonl"
+          maveric seat replay my_study/logs/seat/P001-own.mcap"
 )]
 pub(crate) struct Seat {
     #[command(subcommand)]
@@ -75,32 +71,6 @@ pub(crate) struct Seat {
 
 #[derive(Debug, clap::Subcommand)]
 enum Part {
-    /// Write the study as static files, for any web space: what people give is sent to an address, or handed over by them as a file
-    Export {
-        /// Folder to write
-        folder: PathBuf,
-        /// Folder of the study
-        #[arg(long, default_value = ".")]
-        study: PathBuf,
-        /// Address that what people give is posted to; handed over as a file when not given
-        #[arg(long)]
-        post: Option<String>,
-        /// How to print the result
-        #[arg(long, value_enum, default_value_t)]
-        format: Format,
-    },
-    /// Take in what people handed over
-    Import {
-        /// Files, one a person
-        #[arg(required = true)]
-        files: Vec<PathBuf>,
-        /// Folder of the study
-        #[arg(long, default_value = ".")]
-        study: PathBuf,
-        /// How to print the result
-        #[arg(long, value_enum, default_value_t)]
-        format: Format,
-    },
     /// Delete all that a person gave, here and in the study's folder; an id is left, which nobody gets again
     Forget {
         /// Id of the person
@@ -145,17 +115,6 @@ impl Seat {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.part {
             Some(Part::Replay { log, format }) => repeat(&log, format),
-            Some(Part::Export {
-                folder,
-                study,
-                post,
-                format,
-            }) => export(&study, &folder, post.as_deref(), format),
-            Some(Part::Import {
-                files,
-                study,
-                format,
-            }) => import(&study, &files, format),
             Some(Part::Forget {
                 person,
                 study,
@@ -313,21 +272,6 @@ fn settings(
     Ok((settings, phase))
 }
 
-fn export(study: &Path, folder: &Path, post: Option<&str>, format: Format) -> Result<(), Failure> {
-    let (seat, phase) = open(study, None)?;
-    let written = carried::export(&seat, folder, post).map_err(failure("could not export"))?;
-    if let Some(line) = phase {
-        tell!("{line}");
-    }
-    let line = format!(
-        "{}: {} files, {} orders; put them on a web space that is reached over https",
-        written.folder.to_slash_lossy(),
-        written.files.len(),
-        written.orders
-    );
-    print_as(format, &written, &[line])
-}
-
 fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
     let doing = "could not forget";
     let study = DesignFile::read(&folder.join(DESIGN_FILE)).map_err(Failure::study(doing))?;
@@ -372,40 +316,6 @@ fn paid(folder: &Path, format: Format) -> Result<(), Failure> {
         paid.deleted, paid.left
     );
     print_as(format, &paid, &[line])
-}
-
-/// A file that was not taken in, and why.
-#[derive(serde::Serialize)]
-struct NotTaken {
-    file: PathBuf,
-    why: String,
-}
-
-fn import(study: &Path, files: &[PathBuf], format: Format) -> Result<(), Failure> {
-    let (seat, _) = open(study, None)?;
-    let (mut taken, mut not_taken) = (Vec::new(), Vec::new());
-    for file in files {
-        match carried::take_in(&seat, file) {
-            Ok(person) => taken.push(person),
-            Err(error) => {
-                tell!("not taken in: {error}");
-                not_taken.push(NotTaken {
-                    file: file.clone(),
-                    why: error.to_string(),
-                });
-            }
-        }
-    }
-    let line = |p: &carried::TakenIn| {
-        format!(
-            "{}: {} sheets, {} drives, {}",
-            p.participant, p.sheets, p.drives, p.ended
-        )
-    };
-    let lines: Vec<String> = taken.iter().map(line).collect();
-    let result = serde_json::json!({"taken_in": taken, "not_taken_in": not_taken});
-    print_as(format, &result, &lines)?;
-    Failure::told_unless(not_taken.is_empty())
 }
 
 fn repeat(log: &Path, format: Format) -> Result<(), Failure> {

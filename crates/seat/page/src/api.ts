@@ -62,24 +62,12 @@ export interface State {
   redirect: string | null;
   /// Null but between two sessions.
   between: Between | null;
-  /// Null where no server could delete anything.
-  withdraw: Withdrawal | null;
+  withdraw: Withdrawal;
 }
-
-/// The file that holds the study where no server does.
-export const folder = document.documentElement.dataset["study"];
 
 const random = (): string => [...crypto.getRandomValues(new Uint8Array(16))].map((b) => b.toString(16).padStart(2, "0")).join("");
 
-const TOKEN = "maveric-seat-token";
-/// Without a server somebody is known by what their browser keeps.
-function own(): string {
-  const kept = localStorage.getItem(TOKEN) ?? random();
-  localStorage.setItem(TOKEN, kept);
-  return kept;
-}
-
-export const token = folder ? own() : location.pathname.split("/").pop() ?? "";
+export const token = location.pathname.split("/").pop() ?? "";
 /// This tab; the one opened last has the study.
 export const tab = random();
 
@@ -135,38 +123,21 @@ const post = (body: unknown): RequestInit => ({ method: "POST", body: JSON.strin
 
 const json = async (path: string, init?: RequestInit): Promise<unknown> => surely(async () => (await ask(path, init)).json());
 
-/// What keeps a person's study: a server, or the browser itself.
-export interface Keeper {
-  state(): Promise<State>;
-  open(): Promise<unknown>;
-  model(): Promise<Uint8Array>;
-  /// The record of the person's own drive by hand, as lines.
-  ownDrive(): Promise<string>;
-  answer(step: number, sheet: unknown): Promise<unknown>;
-  /// Says whether a rule of a screening holds somebody back, and which; the answers stay in the page.
-  judged(step: number, refused: number | null, seconds: number): Promise<unknown>;
-  /// Goes on in a language: the page is to be loaded anew.
-  choose(step: number, language: string): Promise<unknown>;
-  done(step: number): Promise<unknown>;
-  keepFit(fit: string): Promise<unknown>;
-  leave(keep: boolean): Promise<unknown>;
-  /// Takes lines of a drive; gives the step up to which all is kept.
-  lines(step: number, attempt: number, body: string): Promise<number>;
-  /// What is left to do for what was given to arrive; nothing where a server has it.
-  handOver(): Promise<HTMLElement[]>;
-}
-
-export const server: Keeper = {
+/// The server, which keeps what a person gives.
+export const keeper = {
   state: async () => (await json("")) as State,
   open: () => json(`/open/${tab}`, post(null)),
   model: () => surely(async () => new Uint8Array(await (await ask("/model")).arrayBuffer())),
+  /// The record of the person's own drive by hand, as lines.
   ownDrive: () => surely(async () => (await ask("/own")).text()),
-  answer: (step, sheet) => json(`/answer/${step}`, post(sheet)),
-  judged: (step, refused, seconds) => json(`/answer/${step}`, post({ refused, seconds })),
-  choose: (step, language) => json(`/language/${step}/${language}`, post(null)),
-  done: (step) => json(`/done/${step}`, post(null)),
-  keepFit: (fit) => json("/fit", { method: "POST", body: fit }),
-  leave: (keep) => json("/leave", post({ keep })),
-  lines: async (step, attempt, body) => (await ask(`/drive/${step}/${attempt}/${tab}`, { method: "POST", body })).json(),
-  handOver: async () => [],
+  answer: (step: number, sheet: unknown) => json(`/answer/${step}`, post(sheet)),
+  /// Says whether a rule of a screening holds somebody back, and which; the answers stay in the page.
+  judged: (step: number, refused: number | null, seconds: number) => json(`/answer/${step}`, post({ refused, seconds })),
+  /// Goes on in a language: the page is to be loaded anew.
+  choose: (step: number, language: string) => json(`/language/${step}/${language}`, post(null)),
+  done: (step: number) => json(`/done/${step}`, post(null)),
+  keepFit: (fit: string) => json("/fit", { method: "POST", body: fit }),
+  leave: (keep: boolean) => json("/leave", post({ keep })),
+  /// Takes lines of a drive; gives the step up to which all is kept.
+  lines: async (step: number, attempt: number, body: string): Promise<number> => (await ask(`/drive/${step}/${attempt}/${tab}`, { method: "POST", body })).json(),
 };

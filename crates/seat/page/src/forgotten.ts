@@ -1,6 +1,6 @@
 // What this browser keeps of somebody goes when they are forgotten: of whoever opens the link, and of whoever took part here before.
 
-import { folder, token, type State } from "./api";
+import { token, type State } from "./api";
 import { deleteDrafts, peopleOfDrafts } from "./drafts";
 import { deleteLines, peopleOfLines } from "./outbox";
 
@@ -14,7 +14,7 @@ async function ended(whose: string): Promise<string | null> {
 
 export async function deleteForgotten(state: State): Promise<void> {
   for (const whose of new Set([...(await peopleOfLines()), ...peopleOfDrafts()])) {
-    const how = whose === token ? state.ended : folder ? null : await ended(whose);
+    const how = whose === token ? state.ended : await ended(whose);
     if (how !== "deleted") continue;
     await deleteLines(whose);
     deleteDrafts(whose);

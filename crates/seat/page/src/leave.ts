@@ -1,7 +1,6 @@
 // Leaving, and taking back what was given: at any time, and after the end.
 
-import type { State } from "./api";
-import { keeper } from "./keeper";
+import { keeper, type State } from "./api";
 import { say } from "./say";
 import { make } from "./words";
 
@@ -50,7 +49,7 @@ export function askWhetherToLeave(): void {
 
 /// After the end: until when what was given can be taken back, and the button for it.
 export function takingBack({ withdraw, ended }: State): HTMLElement[] {
-  if (!withdraw || ended === "deleted" || ended === "not admitted" || ended === "never came") return [];
+  if (ended === "deleted" || ended === "not admitted" || ended === "never came") return [];
   const { until, open } = withdraw;
   if (!open) return [make("p", [say("withdraw_over", { until: until ?? "" })])];
   const button = make("button", [say("delete")], { type: "button" });

@@ -2,11 +2,11 @@
 
 import init, { PageModel } from "../built/seat";
 import * as api from "./api";
+import { keeper } from "./api";
 import { checkBrowser, onlyTab } from "./before";
 import { choose, keyName } from "./controls";
 import { lookAtComputer } from "./needs";
 import { offerFullScreen, sayHowFar } from "./bar";
-import { keeper } from "./keeper";
 import { deleteDraft, draft, keepDraft } from "./drafts";
 import { run, type Wanted } from "./drive";
 import { deleteForgotten } from "./forgotten";
@@ -178,7 +178,7 @@ async function once(state: api.State): Promise<boolean> {
     const [title, told] = WITHOUT[state.ended ?? ""] ?? [through ? "thank_you" : "have_left", null];
     const why = state.ended === "not admitted" && step?.kind === "computer" ? "other_computer" : told;
     show(make("h1", [say(title)]), ...(why ? [make("p", [say(why)])] : []),
-      ...code(state), ...(state.styles ? styles(state.styles) : []), ...await keeper.handOver(),
+      ...code(state), ...(state.styles ? styles(state.styles) : []),
       ...(state.redirect ? [make("p", [make("a", [say("to_platform")], { href: state.redirect, className: "button" })])] : []),
       make("p", [say(state.ended === "deleted" ? "was_deleted" : "close_page")]), ...takingBack(state));
     return false;

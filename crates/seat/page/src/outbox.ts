@@ -1,9 +1,6 @@
 // Lines of drives that the server has not acknowledged yet, kept in the browser too.
 
-import { NotYet, Refused, surely, token, troubled, untroubled } from "./api";
-import { keeper } from "./keeper";
-
-const send = (step: number, attempt: number, body: string): Promise<number> => keeper.lines(step, attempt, body);
+import { keeper, NotYet, Refused, surely, token, troubled, untroubled } from "./api";
 
 /// Lines of a drive that are sent at once: a minute of them.
 const MOST_LINES = 60;
@@ -64,7 +61,7 @@ export class Outbox {
     const now = this.waiting.slice(0, this.most);
     if (now.length === 0 || this.refused) return;
     try {
-      this.kept = await send(this.step, this.attempt, now.map((k) => k.line + "\n").join(""));
+      this.kept = await keeper.lines(this.step, this.attempt, now.map((k) => k.line + "\n").join(""));
     } catch (error) {
       if (error instanceof Refused) this.refused = error; else troubled(error);
       if (tooLarge(error)) this.most = Math.max(1, Math.floor(now.length / 2));
@@ -116,7 +113,7 @@ async function sendGroup(group: Kept[]): Promise<void> {
     const { step, attempt } = part[0] as Kept;
     const body = part.map((k) => k.line + "\n").join("");
     const acknowledged = await surely(async () => {
-      try { return await send(step, attempt, body); } catch (error) {
+      try { return await keeper.lines(step, attempt, body); } catch (error) {
         if (part.length > 1 && tooLarge(error)) return null;
         throw error;
       }

@@ -16,7 +16,7 @@ fn design(tables: &str) -> Design {
 }
 
 /// The worlds of somebody: practice, drive, then a condition and its world for each ride.
-fn worlds(line: &str, whose: Whose<'_>, index: usize) -> (Vec<String>, Vec<(String, String)>) {
+fn worlds(line: &str, participant: &str, index: usize) -> (Vec<String>, Vec<(String, String)>) {
     let design = design(&format!(
         "{ELSEWHERE}{CALM}{MINE}{MEAN}[protocol]\n{line}\n"
     ));
@@ -25,7 +25,7 @@ fn worlds(line: &str, whose: Whose<'_>, index: usize) -> (Vec<String>, Vec<(Stri
         styles: &Styles::new(),
         range: ScoreRange::ADB,
     };
-    let steps = of_design(&design, &[], &Texts::default(), whose, Some(riding)).unwrap();
+    let steps = of_design(&design, &[], &Texts::default(), participant, Some(riding)).unwrap();
     let by_hand = steps.iter().filter_map(|step| match step {
         Step::Practice { seed, .. } | Step::Drive { seed, .. } => Some(seed.clone()),
         _ => None,
@@ -55,7 +55,7 @@ fn a_turn_of_the_dial_is_a_third_of_a_step_and_where_none_is_said_of_one_on_the_
             range,
         };
         let (design, texts) = (design(&tables), Texts::default());
-        let steps = of_design(&design, &[], &texts, Whose::Nobody, Some(riding)).unwrap();
+        let steps = of_design(&design, &[], &texts, "P001", Some(riding)).unwrap();
         let turns = steps.iter().find_map(|step| match step {
             Step::Ride { turns, .. } => *turns,
             _ => None,
@@ -80,9 +80,8 @@ fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() 
             styles: &Styles::new(),
             range: ScoreRange::ADB,
         };
-        let (texts, whose) = (Texts::default(), Whose::Person("P001"));
-        let scales = std::slice::from_ref(&scale);
-        let steps = of_design(&design, scales, &texts, whose, Some(riding)).unwrap();
+        let (texts, scales) = (Texts::default(), std::slice::from_ref(&scale));
+        let steps = of_design(&design, scales, &texts, "P001", Some(riding)).unwrap();
         let asked = steps.iter().find_map(|step| match step {
             Step::Scale {
                 instruction,
@@ -114,8 +113,7 @@ fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and
             styles: &styles,
             range: ScoreRange::ADB,
         });
-        let whose = Whose::Person("P001");
-        let steps = of_design(&design, &[], &texts, whose, riding).unwrap();
+        let steps = of_design(&design, &[], &texts, "P001", riding).unwrap();
         let lend = steps.into_iter().find_map(|step| match step {
             Step::Text {
                 agree: true, lend, ..
@@ -143,8 +141,8 @@ fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and
 
 #[test]
 fn the_same_ride_of_everybody_is_in_the_same_world_and_nothing_is_met_twice() {
-    let (by_hand, rides) = worlds("", Whose::Person("P001"), 0);
-    let (other_by_hand, other_rides) = worlds("", Whose::Person("P002"), 1);
+    let (by_hand, rides) = worlds("", "P001", 0);
+    let (other_by_hand, other_rides) = worlds("", "P002", 1);
     assert_ne!(rides[0].0, other_rides[0].0, "another order");
     assert_eq!(seeds(&rides), seeds(&other_rides));
     assert_eq!(by_hand[1], other_by_hand[1], "the drive");
@@ -152,7 +150,7 @@ fn the_same_ride_of_everybody_is_in_the_same_world_and_nothing_is_met_twice() {
     let met: BTreeSet<&String> = by_hand.iter().chain(seeds(&rides)).collect();
     assert_eq!(met.len(), 5);
     // Another study has other worlds.
-    let (_, elsewhere) = worlds("seed = 2", Whose::Person("P001"), 0);
+    let (_, elsewhere) = worlds("seed = 2", "P001", 0);
     assert!(
         seeds(&rides)
             .iter()
@@ -162,7 +160,7 @@ fn the_same_ride_of_everybody_is_in_the_same_world_and_nothing_is_met_twice() {
 
 #[test]
 fn each_condition_meets_each_world_of_a_ride_equally_often() {
-    let rows = (0..williams_rows(3)).map(|row| worlds("", Whose::Nobody, row).1);
+    let rows = (0..williams_rows(3)).map(|row| worlds("", "P001", row).1);
     let mut met: BTreeMap<(String, String), usize> = BTreeMap::new();
     for ride in rows.flatten() {
         *met.entry(ride).or_default() += 1;
@@ -173,8 +171,8 @@ fn each_condition_meets_each_world_of_a_ride_equally_often() {
 
 #[test]
 fn the_same_world_is_that_of_all_rides_and_not_that_of_the_drive() {
-    let (by_hand, rides) = worlds("world = \"same\"", Whose::Person("P001"), 0);
-    let (other_by_hand, other_rides) = worlds("world = \"same\"", Whose::Link("t"), 1);
+    let (by_hand, rides) = worlds("world = \"same\"", "P001", 0);
+    let (other_by_hand, other_rides) = worlds("world = \"same\"", "P002", 1);
     let met: BTreeSet<&String> = seeds(&rides)
         .into_iter()
         .chain(seeds(&other_rides))
@@ -185,26 +183,19 @@ fn the_same_world_is_that_of_all_rides_and_not_that_of_the_drive() {
 }
 
 #[test]
-fn a_world_of_ones_own_is_by_person_and_condition_and_is_the_pages_to_draw_where_nobody_has_it() {
+fn a_world_of_ones_own_is_by_person_and_condition() {
     let own = "world = \"own\"";
-    let (by_hand, rides) = worlds(own, Whose::Person("P001"), 0);
-    let (other_by_hand, other_rides) = worlds(own, Whose::Person("P002"), 0);
+    let (by_hand, rides) = worlds(own, "P001", 0);
+    let (other_by_hand, other_rides) = worlds(own, "P002", 0);
     let all = [&by_hand, &other_by_hand].into_iter().flatten();
     let all: BTreeSet<&String> = all
         .chain(seeds(&rides))
         .chain(seeds(&other_rides))
         .collect();
     assert_eq!(all.len(), 10);
-    let mut reordered = worlds(own, Whose::Person("P001"), 1).1;
+    let mut reordered = worlds(own, "P001", 1).1;
     reordered.sort();
     let mut sorted = rides.clone();
     sorted.sort();
     assert_eq!(sorted, reordered, "whatever the order");
-    let (by_hand, rides) = worlds(own, Whose::Nobody, 0);
-    let drawn = by_hand.iter().chain(seeds(&rides));
-    assert!(drawn.into_iter().all(String::is_empty));
-    // By ride, the page draws the practice alone.
-    let (by_hand, rides) = worlds("", Whose::Nobody, 0);
-    assert!(by_hand[0].is_empty() && !by_hand[1].is_empty());
-    assert!(seeds(&rides).iter().all(|seed| !seed.is_empty()));
 }

@@ -4,66 +4,10 @@ use super::made::model;
 use super::{Server, TAB};
 use maveric_domain::{DrivenBy, Embedding, Seconds};
 use maveric_model::Model;
-use maveric_seat::{Seat, carried};
-use maveric_seat_page::{
-    Frames, Keyboard, Keys, Record, RideStyle, Rider, SeatDrive, Signal, fit, world,
-};
+use maveric_seat_page::{Frames, Keyboard, Keys, Record, RideStyle, Rider, SeatDrive, Signal, fit};
 use maveric_simulator::Scenario;
 use serde_json::{Value, json};
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::rc::Rc;
-
-/// The link of somebody who takes part without a server.
-pub(crate) const TOKEN: &str = "0123456789abcdef0123456789abcdef";
-
-/// What somebody hands over who went through row `row` of the study as static files, a line each, without its end; and what they were learned as.
-pub(crate) fn handed_over(
-    seat: &Seat,
-    folder: &Path,
-    row: usize,
-    person: &Script,
-) -> (Vec<Value>, Option<String>) {
-    let out = folder.join("online");
-    carried::export(seat, &out, None).unwrap();
-    let study: Value = serde_json::from_slice(&fs::read(out.join("study.json")).unwrap()).unwrap();
-    let mut lines = vec![json!({"maveric_seat_person": 1, "token": TOKEN, "row": row})];
-    let mut style = None;
-    for (at, step) in study["rows"][row].as_array().unwrap().iter().enumerate() {
-        let mut step = step.clone();
-        let what = step["condition"].as_str().unwrap_or("practice").to_owned();
-        match step["kind"].as_str().unwrap() {
-            "text" if step["agree"] == true => {
-                lines.push(json!({"step": at, "sheet": {"agreed": true, "seconds": 4.5}}));
-            }
-            "scale" => {
-                lines.push(json!({"step": at, "sheet": {"answers": [4, null], "seconds": 6}}));
-            }
-            "practice" | "drive" | "ride" => {
-                if step["seed"] == "" {
-                    step["seed"] = json!(world(TOKEN, &what).to_string());
-                }
-                let (record, fit) = person.driven(&step, &Value::Null);
-                let record = piece(&record);
-                lines.push(json!({"step": at, "attempt": 1, "record": record}));
-                style = style.or(fit);
-            }
-            _ => {}
-        }
-        if step["kind"] == "ride" && person.stops.is_some() {
-            break;
-        }
-    }
-    (lines, style)
-}
-
-/// The file that is handed over with these lines.
-pub(crate) fn written(folder: &Path, lines: &[Value]) -> PathBuf {
-    let path = folder.join("handed_over.jsonl");
-    let text: Vec<String> = lines.iter().map(|line| format!("{line}\n")).collect();
-    fs::write(&path, text.concat()).unwrap();
-    path
-}
 
 /// Somebody at the wheel without hands, and what they answer.
 pub(crate) struct Script {

@@ -92,34 +92,28 @@ pub fn read_styles(path: &Path, size: usize) -> Result<Vec<EmbeddingRow>, StudyE
     Err(StudyError::file(path, problem).with_help(help))
 }
 
-/// The style of `who` in a file of embeddings: of their own row, or of its only row; that one alone where nobody knows who they will be.
+/// The style of `who` in a file of embeddings: of their own row, or of its only row.
 ///
 /// # Errors
 /// [`StudyError::BadFile`] naming the file, and whose row it has not.
 pub fn style_of<'a>(
     rows: &'a [EmbeddingRow],
     file: &Path,
-    who: Option<&ParticipantId>,
+    who: &ParticipantId,
 ) -> Result<&'a Embedding, StudyError> {
-    let by_id = rows.iter().find(|row| Some(&row.participant) == who);
+    let by_id = rows.iter().find(|row| row.participant == *who);
     if let Some(row) = by_id.or(rows.first().filter(|_| rows.len() == 1)) {
         return Ok(&row.embedding);
     }
-    let (whose, expected) = match who {
-        Some(who) => (
-            format!("none of {who}"),
-            "one row for everybody, or one a person",
-        ),
-        None => (
-            "nobody online has an id before their answers are imported".to_owned(),
-            "one row for everybody",
-        ),
-    };
     Err(StudyError::BadFile {
         path: file.to_owned(),
-        problem: format!("has {} rows, and {whose}; expected {expected}", rows.len()),
-        help: who
-            .map(|who| format!("add the row of {who}, then open the seat or run the stage again")),
+        problem: format!(
+            "has {} rows, and none of {who}; expected one row for everybody, or one a person",
+            rows.len()
+        ),
+        help: Some(format!(
+            "add the row of {who}, then open the seat or run the stage again"
+        )),
     })
 }
 

@@ -253,7 +253,7 @@ impl Steering<'_> {
             Some(Car::Embedding(file)) => {
                 let file = study.resolve(file);
                 let rows = read_styles(&file, self.model.embedding_size())?;
-                RideStyle::Given(style_of(&rows, &file, Some(who))?.clone())
+                RideStyle::Given(style_of(&rows, &file, who)?.clone())
             }
             _ => return Ok(None),
         };
