@@ -23,7 +23,7 @@ pub struct Header {
     /// The controllers of a ride; none of one that shows a drive by hand again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub controllers: Option<ControllerSettings>,
-    /// The style in which a ride begins; records of before have none.
+    /// The style in which a ride begins; none of a drive by hand, and of one that shows it again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub style: Option<Embedding>,
 }
@@ -148,10 +148,8 @@ pub struct Frames {
     /// Steps that were left out because the machine could not keep up.
     pub dropped_steps: u32,
     /// Longest time from one picture to the next, in ms.
-    #[serde(default)]
     pub longest_ms: u32,
     /// Longest time from a key going down to the end of drawing the first picture that shows what it did, in ms.
-    #[serde(default)]
     pub input_ms: u32,
 }
 

@@ -59,8 +59,8 @@ impl Books<'_> {
     /// When somebody came to the step at which they are, in s since 1970.
     fn since(&self, token: &str) -> Result<i64, SeatError> {
         let question = "SELECT since FROM person WHERE token = ?1";
-        let since = self.row(question, [token], |row| row.get::<_, Option<i64>>(0))?;
-        Ok(since.flatten().unwrap_or_default())
+        let since = self.row(question, [token], |row| row.get(0))?;
+        Ok(since.unwrap_or_default())
     }
 }
 

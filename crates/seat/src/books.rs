@@ -74,7 +74,7 @@ impl Books<'_> {
         // Steps are made of what was checked.
         let steps = serde_json::to_string(&person.steps).unwrap_or_default();
         self.change(
-            "INSERT INTO person (token, participant, steps, at, ended, fit, row, made, since) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?8)",
+            "INSERT INTO person (token, participant, steps, at, ended, fit, row, since) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
             params![person.token, person.participant, steps, whole(person.at), person.ended, person.fit, person.row.map(whole), now()],
         )
     }

@@ -133,7 +133,7 @@ mod tests {
         let asked = || text(Some("Others may be driven in my style."));
         assert!(lends(asked(), TICKED));
         assert!(!lends(asked(), LEFT) && !lends(asked(), AGREED));
-        // A page showed no box, and nothing is kept as if it had; nor was there one in an older version; and somebody has not agreed yet.
+        // A page showed no box, and nothing is kept as if it had; and somebody has not agreed yet.
         let kept = checked(&asked(), AGREED).unwrap();
         assert!(!kept.contains("style_lent"), "{kept}");
         assert!(!lends(text(None), AGREED));

@@ -448,7 +448,7 @@ mod tests {
     fn a_drive_for_whose_device_everything_waited_says_how_often() {
         let record = |events: &str| {
             let chunk = format!(
-                r#"{{"from_tick":0,"ticks":1,"held":[],"frames":{{"drawn":1,"late":0,"dropped_steps":0}},"events":[{events}]}}"#
+                r#"{{"from_tick":0,"ticks":1,"held":[],"frames":{{"drawn":1,"late":0,"dropped_steps":0,"longest_ms":30,"input_ms":0}},"events":[{events}]}}"#
             );
             let scenario = Scenario::paper();
             let drive = SeatDrive::by_hand(&scenario, 1, DrivenBy::Human).unwrap();

@@ -1,7 +1,7 @@
 //! Who is let in: their id, their row of the square, their steps; and who never came.
 
 use crate::{
-    books::{Books, whole},
+    books::Books,
     error::SeatError,
     person::{NEVER_CAME, Person},
     seat::Seat,
@@ -11,7 +11,6 @@ use maveric_domain::{
     ParticipantId,
     design::{williams, williams_rows},
 };
-use rusqlite::params;
 use std::collections::BTreeSet;
 
 /// What the experimenter says of the next person.
@@ -24,7 +23,7 @@ pub struct Invitation {
 }
 
 impl Books<'_> {
-    /// The lowest row of `first` and every `apart`-th after it that nobody has. As [`Person::has_place`]: who left has none.
+    /// The lowest row of `first` and every `apart`-th after it that nobody has: who left has none.
     fn free_row(&self, first: usize, apart: usize) -> Result<usize, SeatError> {
         let held: BTreeSet<usize> = self.rows(
             "SELECT row FROM person WHERE row IS NOT NULL AND (ended IS NULL OR ended = 'done')",
@@ -45,13 +44,6 @@ impl Books<'_> {
         let opened = self.row(question, [&person.token], |row| row.get(0))?;
         Ok(person.is_let_in() && (person.at > 0 || opened == Some(true)))
     }
-
-    fn give_row(&self, person: &Person, row: usize) -> Result<(), SeatError> {
-        self.change(
-            "UPDATE person SET row = ?2 WHERE token = ?1",
-            params![person.token, whole(row)],
-        )
-    }
 }
 
 impl Seat {
@@ -62,22 +54,6 @@ impl Seat {
         } else {
             1
         }
-    }
-
-    /// Finds the rows of riders whom an older version let in, by their orders; an order of no row has none.
-    pub(crate) fn find_rows(&self, b: &Books<'_>, people: &[Person]) -> Result<(), SeatError> {
-        if !self.rides() {
-            return Ok(());
-        }
-        for person in people.iter().filter(|p| p.row.is_none() && p.has_place()) {
-            // What the study has no longer is in no row.
-            if let Ok(order) = self.order_by_hand(&person.rides().join(" "))
-                && let Some(row) = self.row_of(b, &order)?
-            {
-                b.give_row(person, row)?;
-            }
-        }
-        Ok(())
     }
 
     /// The places of the conditions in this row of the square.

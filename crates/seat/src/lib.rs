@@ -40,7 +40,6 @@ mod live;
 mod markup;
 mod moments;
 pub mod needs;
-mod older_styles;
 mod origin;
 mod parts;
 mod payment;

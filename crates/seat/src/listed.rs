@@ -42,28 +42,8 @@ pub(crate) struct KeptSheet {
 }
 
 impl KeptSheet {
-    /// What was answered: only what was checked was kept, by an older program with any character.
+    /// What was answered: only what was checked was kept.
     pub(crate) fn sheet(&self) -> Option<Sheet> {
-        let mut sheet: Sheet = serde_json::from_str(&self.body).ok()?;
-        sheet.keep_text_alone();
-        Some(sheet)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn of_a_text_that_an_older_program_kept_only_what_can_be_read_is_given() {
-        let kept = |body: &str| KeptSheet {
-            step: 0,
-            body: body.to_owned(),
-            given: 0,
-            listed: Listed::NotYet,
-        };
-        let sheet = kept(r#"{"texts":{"1":"a\u0000b\nc"},"seconds":3}"#).sheet();
-        assert_eq!(sheet.unwrap().texts[&1], "ab\nc");
-        assert!(kept("damaged").sheet().is_none());
+        serde_json::from_str(&self.body).ok()
     }
 }

@@ -30,8 +30,8 @@ struct Whereabouts {
     token: String,
     at: usize,
     ended: Option<String>,
-    /// When they came to the step, or ended, in s since 1970; of an older file nobody knows.
-    since: Option<i64>,
+    /// When they came to the step, or ended, in s since 1970.
+    since: i64,
     /// Their style, as JSON.
     fit: Option<String>,
     /// Steps of 0.01 s of what they drive now, and its last piece.
@@ -244,7 +244,7 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
     format!(
         "<tr id=\"person-{who}\"><td><a href=\"/lab/above/{who}\">{who}</a><td>{place}<td>{}<td>{pictures}<td>{}<td>{beyond}\
          <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/exclude/{who}\">{}</a> <a href=\"/lab/forget/{who}\">{}</a>",
-        there.since.map_or_else(String::new, time),
+        time(there.since),
         rides.join(", "),
         say(if there.excluded {
             "lab_excluded"
@@ -277,7 +277,7 @@ mod tests {
             token: "t".to_owned(),
             at,
             ended: None,
-            since: Some(0),
+            since: 0,
             fit: None,
             driven: None,
             excluded: false,
@@ -349,7 +349,7 @@ mod tests {
         );
         assert!(shown.contains("Never came"));
         there.at = 1;
-        let piece = r#"{"from_tick":6400,"ticks":50,"held":[[50,0,0,0,0]],"frames":{"drawn":29,"late":0,"dropped_steps":0}}"#;
+        let piece = r#"{"from_tick":6400,"ticks":50,"held":[[50,0,0,0,0]],"frames":{"drawn":29,"late":0,"dropped_steps":0,"longest_ms":30,"input_ms":0}}"#;
         there.driven = Some((6_450, Some(piece.to_owned())));
         let shown = row(&known, &there, &Words::default());
         assert!(

@@ -1,9 +1,8 @@
 //! Somebody with a link: their steps, and how far they have come.
 
 use crate::{listed::Listed, steps::Step};
-use maveric_domain::{Occasion, survey::Kind};
+use maveric_domain::Occasion;
 use maveric_seat_page::Fit;
-use serde_json::{Value, json};
 
 /// A style as it is kept.
 pub(crate) fn style_kept(fit: Option<&str>) -> Option<Fit> {
@@ -55,11 +54,6 @@ impl Person {
         }
     }
 
-    /// Whether they take part still, or did to the end: the others leave their row to whoever comes next.
-    pub(crate) fn has_place(&self) -> bool {
-        matches!(self.ended.as_deref(), None | Some("done"))
-    }
-
     /// Whether they were admitted and agreed, where people are judged and asked.
     pub(crate) fn is_let_in(&self) -> bool {
         let mut ahead = self.steps.iter().skip(self.at);
@@ -91,7 +85,7 @@ impl Person {
 
     pub(crate) fn read(row: &rusqlite::Row<'_>) -> rusqlite::Result<Self> {
         let steps: String = row.get(2)?;
-        let steps = steps_kept(&steps).map_err(|e| {
+        let steps = serde_json::from_str(&steps).map_err(|e| {
             rusqlite::Error::FromSqlConversionFailure(2, rusqlite::types::Type::Text, Box::new(e))
         })?;
         Ok(Self {
@@ -104,83 +98,5 @@ impl Person {
             listed: Listed::read(row.get(6)?),
             row: row.get::<_, Option<i64>>(7)?.map(|row| row as usize),
         })
-    }
-}
-
-/// The steps of somebody who was let in. Before items had kinds a questionnaire kept their texts, and one range for all of them; so did
-/// what is asked on the way.
-fn steps_kept(text: &str) -> serde_json::Result<Vec<Step>> {
-    let mut steps: Vec<Value> = serde_json::from_str(text)?;
-    for step in &mut steps {
-        for key in ["probe", "again"] {
-            if let Some(probe) = step.get_mut(key) {
-                let range = (probe["min"].clone(), probe["max"].clone());
-                if let Some(text) = probe.get_mut("question") {
-                    boxes(text, &range);
-                }
-            }
-        }
-        let range = (step["min"].clone(), step["max"].clone());
-        let items = step.get_mut("items").and_then(Value::as_array_mut);
-        for text in items.into_iter().flatten() {
-            boxes(text, &range);
-        }
-    }
-    serde_json::from_value(Value::Array(steps))
-}
-
-/// Makes an item of what was kept as a text alone.
-fn boxes(text: &mut Value, (min, max): &(Value, Value)) {
-    if text.is_string() {
-        *text =
-            json!({"kind": Kind::Likert, "min": min, "max": max, "step": 1, "text": text.take()});
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::steps::AskedProbe;
-
-    #[test]
-    fn what_was_kept_as_a_text_alone_is_boxes_and_a_probe_with_its_item_stays() {
-        let rule = json!({"rule": "misc >= 6", "than": ">=", "value": 6});
-        let probe = |question: Value| {
-            let mut probe = json!({"scale": "misc", "question": question, "every_s": 60.0, "within_s": 10.0, "stop": rule});
-            if probe["question"].is_string() {
-                (probe["min"], probe["max"]) = (json!(0), json!(10));
-            }
-            probe
-        };
-        let practice = |probe: Value| json!({"kind": "practice", "seconds": 60.0, "lane_kept_s": 3.0, "passes": 0, "seed": "1", "probe": probe});
-        let ladder = json!({"kind": "ladder", "min": 0, "max": 1, "step": 1, "text": "Sick?", "anchors": ["no", "yes"]});
-        let steps = json!([
-            practice(probe(json!("How sick?"))),
-            {"kind": "scale", "scale": "mood", "moment": "pre", "items": ["Calm?"], "min": 1, "max": 5},
-            practice(probe(ladder)),
-            {"kind": "aftercare", "text": "Rest.", "again": probe(json!("How sick?"))},
-        ]);
-        let steps = steps_kept(&steps.to_string()).unwrap();
-        let is_boxes = |probe: &AskedProbe| {
-            let item = &probe.question.item;
-            (item.kind, item.min, item.max) == (Kind::Likert, 0, 10)
-        };
-        let asked = steps[0].probe().unwrap();
-        assert!(is_boxes(asked) && asked.question.words.text == "How sick?");
-        assert!(asked.takes(10) && asked.stops(6));
-        let Step::Scale { items, .. } = &steps[1] else {
-            panic!("{:?}", steps[1]);
-        };
-        assert_eq!((items[0].item.min, items[0].item.max), (1, 5));
-        let asked = steps[2].probe().unwrap();
-        assert_eq!(asked.question.item.kind, Kind::Ladder);
-        assert_eq!(asked.question.words.anchors, ["no", "yes"]);
-        let Step::Aftercare {
-            again: Some(again), ..
-        } = &steps[3]
-        else {
-            panic!("{:?}", steps[3]);
-        };
-        assert!(is_boxes(again));
     }
 }

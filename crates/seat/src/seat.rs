@@ -164,18 +164,12 @@ impl Seat {
         };
         *held(&seat.links) = seat.store.within(|b| {
             let mut people = b.everybody()?;
-            // An older program withheld nobody's style.
+            // The model may have been learned anew, of others.
             for person in people.iter_mut().filter(|p| p.ended.is_none()) {
                 if seat.withhold(&mut person.steps) {
                     b.set_steps(&person.participant, &person.steps)?;
                 }
             }
-            for person in &people {
-                if let Some(style) = seat.style_anew(person) {
-                    b.fit(person, &style)?;
-                }
-            }
-            seat.find_rows(b, &people)?;
             let known = |p: &Person| (p.token.clone(), Arc::new(Known::from_person(p)));
             Ok::<_, SeatError>(Links {
                 people: people.iter().map(known).collect(),
@@ -332,7 +326,7 @@ impl Seat {
                     let answers = b.answers(&person.participant)?;
                     given.push((person, answers));
                 } else if person.listed == Listed::Written && person.ended.is_some() {
-                    // An older program wrote whoever had a link.
+                    // Where nothing is agreed to, whoever opened their link was written, also who never came to the first step's end.
                     listed_before.push(person.participant);
                 }
             }
@@ -347,9 +341,7 @@ impl Seat {
                 for who in &listed_before {
                     b.list_person(who, Listed::NotYet)?;
                     let table = files.name_of_people();
-                    let text = format!(
-                        "taken out of {table}: their part ended before they had agreed to it"
-                    );
+                    let text = format!("taken out of {table}: they never came");
                     b.event(Some(who), &text)?;
                 }
                 self.keep_listed(b, &given, &listed)

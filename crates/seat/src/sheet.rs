@@ -85,7 +85,7 @@ impl Sheet {
     }
 
     /// Leaves out of what was written the characters that only a machine reads.
-    pub(crate) fn keep_text_alone(&mut self) {
+    fn keep_text_alone(&mut self) {
         for text in self.texts.values_mut() {
             text.retain(is_text);
         }

@@ -1,6 +1,6 @@
 //! People, answers and drives in one SQLite file that one program at a time has open.
 
-use crate::{books::Books, error::SeatError, held::held, token};
+use crate::{books::Books, error::SeatError, held::held};
 use rusqlite::{Connection, TransactionBehavior};
 use std::{
     ffi::OsString,
@@ -11,7 +11,7 @@ use std::{
 };
 
 /// Version of the tables.
-const VERSION: i64 = 3;
+const VERSION: i64 = 4;
 
 /// How the file is kept: what is deleted is overwritten.
 const KEPT: &str = "
@@ -24,7 +24,7 @@ PRAGMA secure_delete = ON;
 const TABLES: &str = "
 CREATE TABLE IF NOT EXISTS person (
     token TEXT PRIMARY KEY, participant TEXT NOT NULL UNIQUE, steps TEXT NOT NULL, at INTEGER NOT NULL DEFAULT 0,
-    ended TEXT, fit TEXT, tab TEXT, made INTEGER NOT NULL, listed INTEGER NOT NULL DEFAULT 0, row INTEGER, since INTEGER) STRICT;
+    ended TEXT, fit TEXT, tab TEXT, listed INTEGER NOT NULL DEFAULT 0, row INTEGER, since INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS answer (
     participant TEXT NOT NULL, step INTEGER NOT NULL, body TEXT NOT NULL, given INTEGER NOT NULL, listed INTEGER NOT NULL DEFAULT 0,
     PRIMARY KEY (participant, step)) STRICT;
@@ -50,21 +50,6 @@ CREATE TABLE IF NOT EXISTS not_admitted (rule TEXT PRIMARY KEY, people INTEGER N
 CREATE TABLE IF NOT EXISTS not_agreed (text_sha256 TEXT PRIMARY KEY, people INTEGER NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS platform (id TEXT PRIMARY KEY, token TEXT NOT NULL) STRICT;
 CREATE TABLE IF NOT EXISTS secret (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT;
-";
-
-/// What the first version had not. Who was through then had been written into the study's tables.
-const FROM_1: &str = "
-ALTER TABLE person ADD COLUMN listed INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE answer ADD COLUMN listed INTEGER NOT NULL DEFAULT 0;
-ALTER TABLE drive ADD COLUMN bytes INTEGER NOT NULL DEFAULT 0;
-UPDATE person SET listed = 1 WHERE ended IS NOT NULL;
-UPDATE answer SET listed = 1 WHERE participant IN (SELECT participant FROM person WHERE ended IS NOT NULL);
-";
-
-/// What the second version had not: the row of the square that somebody has, and since when they are at their step.
-const FROM_2: &str = "
-ALTER TABLE person ADD COLUMN row INTEGER;
-ALTER TABLE person ADD COLUMN since INTEGER;
 ";
 
 /// A program that was killed a moment ago may still have the file open.
@@ -173,48 +158,21 @@ fn empty_log(connection: &Connection) -> rusqlite::Result<()> {
     })
 }
 
-/// Makes the tables, or brings those of an older version up to date, all of it or nothing; gives the version they now have.
+/// Makes the tables of a new file; gives the version of the file.
 fn prepare(connection: &mut Connection) -> rusqlite::Result<i64> {
     connection.execute_batch(KEPT)?;
-    let older = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    let number = |question: &str| older.query_row(question, [], |row| row.get::<_, i64>(0));
+    let begun = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+    let number = |question: &str| begun.query_row(question, [], |row| row.get::<_, i64>(0));
     let version = match number("SELECT COUNT(*) FROM sqlite_master")? {
         0 => VERSION,
         _ => number("PRAGMA user_version")?,
     };
-    match version {
-        VERSION => older.execute_batch(TABLES)?,
-        1 => {
-            older.execute_batch(FROM_1)?;
-            older.execute_batch(FROM_2)?;
-            older.execute_batch(TABLES)?;
-            forget_deleted(&older)?;
-        }
-        2 => {
-            older.execute_batch(FROM_2)?;
-            older.execute_batch(TABLES)?;
-        }
-        _ => return Ok(version),
+    if version == VERSION {
+        begun.execute_batch(TABLES)?;
+        begun.pragma_update(None, "user_version", VERSION)?;
+        begun.commit()?;
     }
-    older.pragma_update(None, "user_version", VERSION)?;
-    older.commit()?;
-    Ok(VERSION)
-}
-
-/// Who was deleted by the first version had left their link, their order and their time.
-fn forget_deleted(older: &Connection) -> rusqlite::Result<()> {
-    let deleted: Vec<(String, String)> = older
-        .prepare("SELECT participant, token FROM person WHERE ended = 'deleted'")?
-        .query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?
-        .collect::<Result<_, _>>()?;
-    for (participant, link) in deleted {
-        older.execute(
-            "INSERT OR IGNORE INTO forgotten (participant, link) VALUES (?1, ?2)",
-            [&participant, &token::sha256(&link)],
-        )?;
-        older.execute("DELETE FROM person WHERE participant = ?1", [&participant])?;
-    }
-    Ok(())
+    Ok(version)
 }
 
 fn beside(path: &Path, ending: &str) -> PathBuf {
@@ -262,4 +220,29 @@ fn owners_alone(path: &Path, makes: bool) -> Result<(), SeatError> {
         .map_err(io)?;
     drop(file);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_of_another_version_is_refused_and_left_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("seat.db");
+        for found in [0, VERSION - 1, VERSION + 1] {
+            let other = Connection::open(&path).unwrap();
+            other
+                .execute_batch("CREATE TABLE IF NOT EXISTS person (token TEXT)")
+                .unwrap();
+            other.pragma_update(None, "user_version", found).unwrap();
+            let refused = Store::open(&path).err().unwrap();
+            let told = format!("found version {found} of the seat's state, expected {VERSION}");
+            assert!(refused.to_string().contains(&told), "{refused}");
+            assert!(refused.suggestion().is_some());
+            let count = |question| other.query_row(question, [], |row| row.get::<_, i64>(0));
+            assert_eq!(count("SELECT COUNT(*) FROM sqlite_master"), Ok(1));
+            assert_eq!(count("PRAGMA user_version"), Ok(found));
+        }
+    }
 }

@@ -115,28 +115,6 @@ fn an_id_is_given_by_hand_once_and_never_one_that_stands_anywhere() {
 }
 
 #[test]
-fn riders_whom_the_second_version_let_in_have_the_rows_of_their_orders() {
-    let folder = folder();
-    let open = || open(folder.path()).unwrap();
-    let seat = open();
-    for _ in 0..5 {
-        seat.let_in().unwrap();
-    }
-    drop(seat);
-    let state = Connection::open(folder.path().join("seat/seat.db")).unwrap();
-    // P001 left; somebody rides what the study has no longer.
-    let second = "ALTER TABLE person DROP COLUMN row; ALTER TABLE person DROP COLUMN since; PRAGMA user_version = 2;
-        UPDATE person SET ended = 'left' WHERE participant = 'P001';
-        UPDATE person SET steps = replace(steps, '\"calm\"', '\"mild\"') WHERE participant = 'P004';";
-    state.execute_batch(second).unwrap();
-    drop(state);
-    let seat = open();
-    assert_eq!(rows(folder.path()), [None, Some(1), Some(0), None, Some(2)]);
-    seat.let_in().unwrap();
-    assert_eq!(rows(folder.path()).pop().unwrap(), Some(3));
-}
-
-#[test]
 fn an_order_by_hand_is_ridden_holds_the_row_that_it_has_and_names_every_condition_once() {
     let folder = folder();
     let server = Server::open(folder.path());
@@ -198,7 +176,7 @@ fn an_order_that_the_square_does_not_have_takes_no_row_from_anybody() {
 }
 
 #[test]
-fn whoever_never_came_or_did_not_agree_is_in_no_table_and_a_row_that_an_older_seat_wrote_goes() {
+fn whoever_never_came_or_did_not_agree_is_in_no_table() {
     let folder = folder();
     let table = || read(folder.path(), "participants.csv");
     let server = Server::open(folder.path());
@@ -218,26 +196,6 @@ fn whoever_never_came_or_did_not_agree_is_in_no_table_and_a_row_that_an_older_se
         assert!(text.contains("P001"), "{text}");
         assert!(others.iter().all(|who| !text.contains(who)), "{text}");
     }
-    // An older seat had written them all, and somebody their ages.
-    let state = Connection::open(folder.path().join("seat/seat.db")).unwrap();
-    state.execute("UPDATE person SET listed = 1", []).unwrap();
-    drop(state);
-    let older = "participant,study,order,age\nP001,2,calm sporty,31\nP002,2,sporty calm,\nP003,2,calm sporty,\nP004,2,sporty calm,40\n";
-    fs::write(folder.path().join("participants.csv"), older).unwrap();
-    for _ in 0..2 {
-        drop(open(folder.path()).unwrap());
-        assert_eq!(
-            table(),
-            "participant,study,order,age\nP001,2,calm sporty,31\nP004,2,sporty calm,40\n"
-        );
-    }
-    let state = Connection::open(folder.path().join("seat/seat.db")).unwrap();
-    let told = |who: &str| {
-        let question = "SELECT count(*) FROM event WHERE participant = ?1 AND what LIKE 'taken out of participants.csv%'";
-        let count = state.query_row(question, [who], |row| row.get::<_, i64>(0));
-        count.unwrap()
-    };
-    assert_eq!(["P001", "P002", "P003", "P004"].map(told), [0, 1, 1, 0]);
 }
 
 #[test]
@@ -248,5 +206,23 @@ fn where_nothing_is_agreed_to_whoever_opened_their_link_takes_part() {
     server.seat.let_in().unwrap();
     server.seat.write_files().unwrap();
     let listed = read(folder.path(), "participants.csv");
-    assert_eq!(listed, "participant,study,order\nP001,2,calm sporty\n");
+    assert_eq!(
+        listed,
+        "participant,study,order
+P001,2,calm sporty
+"
+    );
+    // Whoever opened it and never came is taken out again; what others wrote of other people stays.
+    let table = folder.path().join("participants.csv");
+    let more = "participant,study,order,age
+P001,2,calm sporty,
+X1,1,,40
+";
+    fs::write(&table, more).unwrap();
+    assert_eq!(lab_post(&server, "/lab/never/P001", "").0, 303);
+    let left = "participant,study,order,age
+X1,1,,40
+";
+    assert_eq!(fs::read_to_string(&table).unwrap(), left);
+    assert!(lab(&server).contains("taken out of participants.csv: they never came"));
 }

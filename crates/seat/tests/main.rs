@@ -14,7 +14,6 @@ mod let_in;
 mod limits;
 mod live;
 mod moments;
-mod older;
 mod payment;
 mod ranges;
 mod repeated;

@@ -14,8 +14,7 @@ function trying<T>(work: () => T): T | null {
 /// What was done of a step before.
 export function draft(step: number): Draft {
   const kept = trying(() => JSON.parse(localStorage.getItem(name(step)) ?? "null") as unknown);
-  // An older page kept the answers alone.
-  const { given, seconds } = (Array.isArray(kept) ? { given: kept } : kept ?? {}) as { given?: unknown; seconds?: unknown };
+  const { given, seconds } = (kept ?? {}) as { given?: unknown; seconds?: unknown };
   return {
     given: Array.isArray(given) ? given.map((a) => (typeof a === "number" || typeof a === "string" ? a : null)) : [],
     seconds: typeof seconds === "number" ? seconds : 0,
