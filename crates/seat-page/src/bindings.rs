@@ -348,12 +348,6 @@ impl PageDriven {
         serde_json::to_string(&self.driven.end).map_err(text_of)
     }
 
-    /// Collisions, and how often the barrier was touched.
-    pub fn contacts(&self) -> Vec<u32> {
-        let report = &self.driven.rollout.report;
-        vec![report.collisions, report.barrier_touches]
-    }
-
     /// Learns a style from it: a [`Fit`](crate::Fit) as JSON.
     pub fn fit(&self, model: &PageModel) -> Result<String, String> {
         let fit = crate::fit(&model.0, &self.driven.rollout.recording, self.driven_by);

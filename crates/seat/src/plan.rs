@@ -20,7 +20,7 @@ use maveric_study::tables::embeddings::style_of;
 use std::{collections::BTreeMap, path::PathBuf};
 
 /// The files of styles that conditions name, by the path that the design has.
-pub type Styles = BTreeMap<PathBuf, Vec<EmbeddingRow>>;
+pub(crate) type Styles = BTreeMap<PathBuf, Vec<EmbeddingRow>>;
 
 /// Root of the random choices of a world that nobody else has.
 fn own_world(root: u64, participant: &str, what: &str) -> String {
@@ -29,13 +29,13 @@ fn own_world(root: u64, participant: &str, what: &str) -> String {
 
 /// Somebody who rides.
 #[derive(Debug, Clone, Copy)]
-pub struct Riding<'a> {
+pub(crate) struct Riding<'a> {
     /// The places that the conditions have in the design, in the order in which they are ridden.
-    pub order: &'a [usize],
+    pub(crate) order: &'a [usize],
     /// The styles that conditions name.
-    pub styles: &'a Styles,
+    pub(crate) styles: &'a Styles,
     /// What the dial is counted in points of.
-    pub range: ScoreRange,
+    pub(crate) range: ScoreRange,
 }
 
 /// The steps of a person; `riding` is none while nobody rides.
@@ -43,7 +43,7 @@ pub struct Riding<'a> {
 /// # Errors
 /// [`SeatError::Protocol`] for a scale without wording, a condition that the seat cannot drive or one that the design lets the program
 /// simulate instead; [`SeatError::Study`] for somebody whose style no file has.
-pub fn of_design(
+pub(crate) fn of_design(
     design: &Design,
     scales: &[Scale],
     texts: &Texts,

@@ -87,10 +87,6 @@ export class PageDriven {
     free(): void;
     [Symbol.dispose](): void;
     /**
-     * Collisions, and how often the barrier was touched.
-     */
-    contacts(): Uint32Array;
-    /**
      * Last line of the record.
      */
     end(): string;
@@ -117,11 +113,6 @@ export class PageModel {
  */
 export function replay(lines: string): string;
 
-/**
- * Seed of what somebody with this token drives at `what`, where no server gives one.
- */
-export function world(token: string, what: string): string;
-
 export type InitInput = RequestInfo | URL | Response | BufferSource | WebAssembly.Module;
 
 export interface InitOutput {
@@ -146,12 +137,10 @@ export interface InitOutput {
     readonly pagedrive_ticks: (a: number) => number;
     readonly pagedrive_turn: (a: number, b: number) => [number, number, number];
     readonly pagedrive_wheel: (a: number, b: number, c: number, d: number, e: number, f: number) => number;
-    readonly pagedriven_contacts: (a: number) => [number, number];
     readonly pagedriven_end: (a: number) => [number, number, number, number];
     readonly pagedriven_fit: (a: number, b: number) => [number, number, number, number];
     readonly pagemodel_new: (a: number, b: number) => [number, number, number];
     readonly replay: (a: number, b: number) => [number, number, number, number];
-    readonly world: (a: number, b: number, c: number, d: number) => [number, number];
     readonly __wbindgen_externrefs: WebAssembly.Table;
     readonly __wbindgen_malloc: (a: number, b: number) => number;
     readonly __wbindgen_realloc: (a: number, b: number, c: number, d: number) => number;
