@@ -74,7 +74,7 @@ macro_rules! draw {
 }
 
 /// Every kind: the name of its function, and one that draws it from made-up numbers.
-pub(crate) const KINDS: [(&str, Draw); 32] = [
+pub(crate) const KINDS: [(&str, Draw); 31] = [
     draw!(flow),
     draw!(completeness),
     ("domain", domain::draw),
