@@ -138,7 +138,9 @@ impl Population {
         let mut mean = DVector::zeros(h);
         let variances = DVector::from_iterator(h, heads.iter().map(total_variance));
         let mut covariance = DMatrix::from_diagonal(&variances);
-        for _ in 0..ROUNDS {
+        // Drives that show no habit leave the population as the heads expect it.
+        let rounds = if shown.is_empty() { 0 } else { ROUNDS };
+        for _ in 0..rounds {
             let (mut sum, mut second) = (DVector::zeros(h), DMatrix::zeros(h, h));
             for readings in &shown {
                 let (there, left) = known(&mean, &covariance, readings);
@@ -159,7 +161,9 @@ impl Population {
             }
         }
         // Of a sample: the mean is its own.
-        covariance *= n / (n - 1.0).max(1.0);
+        if !shown.is_empty() {
+            covariance *= n / (n - 1.0).max(1.0);
+        }
         Self {
             people,
             mean: mean.iter().copied().collect(),

@@ -7,7 +7,9 @@ use crate::{
     style_space::{LinearHead, PerpendicularEllipse, share_outside_training},
     test_drives::{Habits, drive, drivers, drivers_apart},
 };
-use maveric_domain::{Drive, Embedding, ScoreRange, StyleScore};
+use maveric_domain::{
+    Drive, DriveMeta, DrivenBy, EgoTrack, Embedding, Recording, Road, ScoreRange, Sees, StyleScore,
+};
 use std::ops::ControlFlow;
 
 fn training(drives: &[(Drive, StyleScore)]) -> Vec<TrainingDrive<'_>> {
@@ -336,4 +338,35 @@ fn training_stops_when_asked_to() {
     });
     assert_eq!(result.unwrap_err(), ModelError::Cancelled { epoch: 3 });
     assert_eq!(seen, 3);
+}
+
+/// A drive whose rig sees neither other vehicles nor lanes.
+fn speed_alone(who: usize) -> (Drive, StyleScore) {
+    let (rows, rate_hz) = (1200, 20.0);
+    let mut ego = EgoTrack::default();
+    let mut x = 0.0;
+    for row in 0..rows {
+        let v = 25.0 + who as f64 + (0.01 * row as f64 * (1.0 + who as f64)).sin();
+        x += v / rate_hz;
+        ego.x_m.push(x);
+        ego.y_m.push(0.0);
+        ego.speed_mps.push(v);
+    }
+    let time_s = (0..rows).map(|row| row as f64 / rate_hz).collect();
+    let recording = Recording::new(Road::PAPER, rate_hz, time_s, vec![0; rows], ego, Vec::new());
+    let name = format!("P{who}");
+    let meta = DriveMeta::named(format!("{name}-own"), name, "own", DrivenBy::Human).unwrap();
+    let drive = Drive::from_recording(meta, &recording.unwrap()).unwrap();
+    let score = ScoreRange::ADB.score(20.0 + 5.0 * who as f64).unwrap();
+    (drive.without_lateral().seen_by(Sees::NOTHING), score)
+}
+
+#[test]
+fn networks_of_speed_alone_are_a_model_that_can_be_read() {
+    let drives: Vec<_> = (0..4).map(speed_alone).collect();
+    let trained = run(&training(&drives), &quick(|s| s.epochs = 2)).unwrap();
+    let bytes = model_file::to_bytes(&trained.model).unwrap();
+    assert_eq!(model_file::from_bytes(&bytes).unwrap(), trained.model);
+    let known = personalize(&trained.model, &drives[0].0, None).unwrap();
+    assert_eq!(known.support, None);
 }
