@@ -5,6 +5,8 @@ use crate::{
     deciding::{deciding_files, hash_of},
     design::DesignFile,
     error::StudyError,
+    named::{is_number, without},
+    once::count as counted,
     outcome::Outcome,
     stages,
 };
@@ -171,12 +173,17 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
     }
     let before: toml::Table = toml::from_str(&frozen.design).map_err(bad(&lock))?;
     let now: toml::Table = toml::from_str(&read_text(path)?).map_err(bad(path))?;
+    let (before, now) = (leaves(before), leaves(now));
     let mut changes = Changes {
         texts: &texts,
         reasons: study.design.amendments(),
+        hidden: hidden(before.keys().chain(now.keys())),
         sentences: Vec::new(),
     };
-    changes.add("key", &leaves(before), &leaves(now))?;
+    changes.add("key", &before, &now)?;
+    for list in BY_NAME {
+        changes.count(list, &before, &now)?;
+    }
     changes.add("file", &frozen.files, &deciding_files(study)?)?;
     changes.add("command", &frozen.stages, &stages::versions())?;
     let mut sentences = changes.sentences;
@@ -192,10 +199,33 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
     Ok(sentences)
 }
 
+/// A list of the design that leaves people or drives out by name, and what it counts. No sentence names one of them.
+type ByName = (&'static str, &'static str, &'static str);
+
+const BY_NAME: [ByName; 2] = [
+    ("exclude.people.", "person", "people"),
+    ("exclude.drives.", "drive", "drives"),
+];
+
+/// Whom and what these keys name, longer ones first: a drive's id holds its person's. A number is a word of many texts.
+fn hidden<'a>(keys: impl Iterator<Item = &'a String>) -> Vec<String> {
+    let named = |key: &String| {
+        BY_NAME
+            .iter()
+            .find_map(|(list, ..)| key.strip_prefix(list).map(str::to_owned))
+    };
+    let named: BTreeSet<String> = keys.filter_map(named).filter(|id| !is_number(id)).collect();
+    let mut named: Vec<String> = named.into_iter().collect();
+    named.sort_by_key(|id| std::cmp::Reverse(id.len()));
+    named
+}
+
 /// What differs from the declaration, a sentence each.
 struct Changes<'a> {
     texts: &'a PageTexts,
     reasons: &'a BTreeMap<String, String>,
+    /// Ids that no sentence has.
+    hidden: Vec<String>,
     sentences: Vec<String>,
 }
 
@@ -204,9 +234,9 @@ struct Changes<'a> {
 struct Change<'a> {
     what: &'a str,
     key: &'a str,
-    before: Option<&'a String>,
-    now: Option<&'a String>,
-    why: Option<&'a String>,
+    before: Option<String>,
+    now: Option<String>,
+    why: Option<String>,
 }
 
 impl Changes<'_> {
@@ -219,24 +249,82 @@ impl Changes<'_> {
     ) -> Result<(), StudyError> {
         let keys: BTreeSet<&String> = before.keys().chain(now.keys()).collect();
         for key in keys {
-            if key.starts_with("amendments.") || before.get(key) == now.get(key) {
+            let by_name = BY_NAME.iter().any(|(list, ..)| key.starts_with(list));
+            if by_name || key.starts_with("amendments.") || before.get(key) == now.get(key) {
                 continue;
             }
-            let reason = self.reasons.iter().find(|(k, _)| {
-                let below = key.strip_prefix(k.as_str());
-                below.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[', '/']))
-            });
             let change = Change {
                 what,
                 key,
-                before: before.get(key),
-                now: now.get(key),
-                why: reason.map(|(_, why)| why),
+                before: before.get(key).map(|value| self.nameless(value)),
+                now: now.get(key).map(|value| self.nameless(value)),
+                why: self.reason(key),
             };
-            self.sentences
-                .push(self.texts.with(&change).text("changed")?);
+            self.say(&change)?;
         }
         Ok(())
+    }
+
+    /// The difference of a list that names people or drives, as counts.
+    fn count(
+        &mut self,
+        (list, one, many): ByName,
+        before: &BTreeMap<String, String>,
+        now: &BTreeMap<String, String>,
+    ) -> Result<(), StudyError> {
+        let keys: BTreeSet<&String> = before.keys().chain(now.keys()).collect();
+        let differs = |key: &&String| key.starts_with(list) && before.get(*key) != now.get(*key);
+        let changed: Vec<&String> = keys.into_iter().filter(differs).collect();
+        if changed.is_empty() {
+            return Ok(());
+        }
+        let named = |leaves: &BTreeMap<String, String>| {
+            leaves.keys().filter(|key| key.starts_with(list)).count()
+        };
+        let (was, is) = (named(before), named(now));
+        let others = if was == is {
+            ", others or for other reasons"
+        } else {
+            ""
+        };
+        let reasons: Vec<Option<String>> = changed.iter().map(|key| self.reason(key)).collect();
+        let unexplained = reasons.iter().filter(|why| why.is_none()).count();
+        let given: BTreeSet<String> = reasons.into_iter().flatten().collect();
+        let mut given: Vec<String> = given.into_iter().collect();
+        if unexplained > 0 && !given.is_empty() {
+            given.push(format!(
+                "no reason was given for {}",
+                counted(unexplained, one, many)
+            ));
+        }
+        let change = Change {
+            what: "key",
+            key: list.trim_end_matches('.'),
+            before: Some(counted(was, one, many)),
+            now: Some(counted(is, one, many) + others),
+            why: (!given.is_empty()).then(|| given.join("; ")),
+        };
+        self.say(&change)
+    }
+
+    fn say(&mut self, change: &Change<'_>) -> Result<(), StudyError> {
+        let sentence = self.texts.with(change).text("changed")?;
+        self.sentences.push(sentence);
+        Ok(())
+    }
+
+    /// The reason that an amendment gives for a key or for what holds it.
+    fn reason(&self, key: &str) -> Option<String> {
+        let (_, why) = self.reasons.iter().find(|(k, _)| {
+            let below = key.strip_prefix(k.as_str());
+            below.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[', '/']))
+        })?;
+        Some(self.nameless(why))
+    }
+
+    /// A text without those who are left out by name.
+    fn nameless(&self, text: &str) -> String {
+        without(text, self.hidden.iter().map(String::as_str))
     }
 }
 
@@ -362,6 +450,51 @@ mod tests {
     }
 
     #[test]
+    fn people_excluded_since_are_counted_and_not_named() {
+        let (_folder, path) = frozen();
+        let excluded = "people = { P04 = \"P04 felt sick\", P05 = \"left\" }\ndrives = { P06-calm = \"cut off\" }\n";
+        for (amendments, reason) in [
+            ("", "no reason was given"),
+            ("exclude = \"agreed on\"\n", "agreed on"),
+            (
+                "\"exclude.people.P04\" = \"P04 asked for it\"\n\"exclude.drives\" = \"no road\"\n",
+                "… asked for it; no reason was given for 1 person",
+            ),
+        ] {
+            fs::write(
+                &path,
+                format!("{STUDY}{excluded}[amendments]\n{amendments}"),
+            )
+            .unwrap();
+            let all = said(&path);
+            let wanted = format!("`exclude.people`: was 0 people, is 2 people: {reason}.");
+            assert!(all[0].ends_with(&wanted), "{all:?}");
+            assert!(
+                all[1].contains("`exclude.drives`: was 0 drives, is 1 drive: "),
+                "{all:?}"
+            );
+            assert!(!all.concat().contains("P0"), "{all:?}");
+        }
+    }
+
+    #[test]
+    fn other_people_excluded_since_are_a_change() {
+        let (folder, path) = frozen();
+        fs::remove_file(folder.path().join(LOCK_FILE)).unwrap();
+        let excluding =
+            |who: &str| fs::write(&path, format!("{STUDY}people = {{ {who} = \"sick\" }}\n"));
+        excluding("P04").unwrap();
+        freeze(Some(&path), "2026-11-22").unwrap();
+        excluding("P05").unwrap();
+        let all = said(&path);
+        let wanted = "`exclude.people`: was 1 person, is 1 person, others or for other reasons: ";
+        assert!(
+            all[0].contains(wanted) && !all.concat().contains("P0"),
+            "{all:?}"
+        );
+    }
+
+    #[test]
     fn a_questionnaire_or_mapping_that_changed_is_not_as_declared() {
         let (folder, path) = frozen();
         fs::write(
@@ -438,20 +571,5 @@ mod tests {
         }
         fs::write(&lock, text).unwrap();
         assert!(said(&path)[0].starts_with("*Analysed as declared"));
-    }
-
-    #[test]
-    fn a_lock_of_an_earlier_program_covers_the_design_alone_and_says_so() {
-        let (_folder, path) = frozen();
-        let lock = path.with_file_name(LOCK_FILE);
-        let hash = blake3::hash(STUDY.as_bytes()).to_hex();
-        let design = toml::Value::String(STUDY.to_owned());
-        let old = format!(
-            "date = \"2026-11-20\"\nversion = \"0.1.0\"\nhash = \"{hash}\"\nanswers = 0\nlogs = 0\ndesign = {design}\n"
-        );
-        fs::write(&lock, old).unwrap();
-        let all = said(&path);
-        assert_eq!(all[0], "*Analysed as declared on 2026-11-20.*");
-        assert!(all[1].contains("covers study.toml alone"), "{all:?}");
     }
 }
