@@ -22,13 +22,13 @@ use crate::{
         write_rows,
     },
 };
-use maveric_analysis::{Rule, Why};
+use maveric_analysis::Why;
 use maveric_domain::{Drive, DriveId, DriveMeta, Sees, occasion::is_first};
 use maveric_ingest::{IngestError, Provenance, Warning, begins_ns, read_log};
 use path_slash::PathExt as _;
 use serde::Serialize;
 use std::{
-    collections::{BTreeMap, BTreeSet},
+    collections::BTreeMap,
     path::{Path, PathBuf},
 };
 use told::{none_ingested, sights, warnings};
@@ -167,11 +167,11 @@ impl Stage for Ingest {
             .into_iter()
             .filter_map(|log| log.map_err(|e| failed.push(e)).ok());
         let (mut drives, left_out) = sorted_out(read.flatten(), gate.as_ref());
-        if drives.is_empty() && left_out.is_empty() {
-            return Err(none_ingested(failed));
+        if drives.is_empty() {
+            return Err(none_ingested(&left_out, failed));
         }
         let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
-        some_let_in_and_none_twice(&drives, &left_out)?;
+        none_twice(&drives)?;
         if let (Some(study), Some(gate)) = (&study, &gate) {
             orders_agree(study, self.participants.as_deref(), gate, &drives)?;
         }
@@ -260,35 +260,7 @@ fn log_or_why(
     }
 }
 
-/// What to do where every drive is left out.
-fn let_one_in(left_out: &[LeftOutDrive]) -> String {
-    let rules: BTreeSet<&str> = left_out.iter().map(|out| out.why.rule.key()).collect();
-    let named_otherwise = |out: &LeftOutDrive| {
-        let unknown = [
-            Rule::UnknownParticipant,
-            Rule::UnknownCondition,
-            Rule::UnknownOccasion,
-        ];
-        unknown.contains(&out.why.rule)
-    };
-    if left_out.iter().any(named_otherwise) {
-        return "say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned();
-    }
-    let rules: Vec<&str> = rules.into_iter().collect();
-    format!(
-        "all are left out by {}: change the rule in the study, or add drives that it lets in",
-        rules.join(", ")
-    )
-}
-
-fn some_let_in_and_none_twice(
-    drives: &[Written],
-    left_out: &[LeftOutDrive],
-) -> Result<(), StudyError> {
-    if let (true, Some(first)) = (drives.is_empty(), left_out.first()) {
-        let problem = format!("no drive is let in; {}: {}", first.meta.drive, first.why);
-        return Err(StudyError::not_possible(problem).with_help(let_one_in(left_out)));
-    }
+fn none_twice(drives: &[Written]) -> Result<(), StudyError> {
     let mut made = BTreeMap::new();
     let twice = drives.iter().find_map(|second| {
         let first = made.insert(&second.meta.drive, second)?;

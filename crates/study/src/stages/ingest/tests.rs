@@ -1,4 +1,5 @@
 use super::*;
+use std::collections::BTreeSet;
 
 const LOG: &str =
     "time_s,ego_x_m,ego_y_m,ego_speed_mps,lead_id,lead_dx_m,lead_dy_m,lead_speed_mps\n";

@@ -5,10 +5,15 @@ use crate::{
     error::StudyError,
     once::{count, names, together, told_once},
 };
+use maveric_analysis::Rule;
 use maveric_domain::Sees;
 use maveric_ingest::{IngestError, Warning};
 use path_slash::PathExt as _;
-use std::{collections::BTreeMap, fmt, path::PathBuf};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt,
+    path::PathBuf,
+};
 
 /// What was left out, repaired or is doubtful, in sentences; the drives by name.
 pub(super) fn warnings(
@@ -89,25 +94,131 @@ impl fmt::Display for FailedLog {
     }
 }
 
-/// Why there is nothing: the one log's own error, or the first of several.
-pub(super) fn none_ingested(mut failed: Vec<(PathBuf, IngestError)>) -> StudyError {
-    if failed.len() == 1
+/// Why no drive was made: each rule that left drives out with its first drive, and the first log that could not be ingested.
+pub(super) fn none_ingested(
+    left_out: &[LeftOutDrive],
+    mut failed: Vec<(PathBuf, IngestError)>,
+) -> StudyError {
+    if left_out.is_empty()
+        && failed.len() == 1
         && let Some((_, error)) = failed.pop()
     {
         return error.into();
     }
-    let count = failed.len();
+    let logs = failed.len();
     let first = failed.into_iter().next();
-    let help = first.as_ref().and_then(|(_, error)| error.suggestion());
-    let first = first.map(FailedLog::from);
-    StudyError::NotPossible {
-        problem: match first {
-            Some(first) => format!(
-                "none of {count} logs could be ingested; the first: {}",
-                first.why
-            ),
-            None => "the logs hold no drive".to_owned(),
-        },
-        help,
+    let mut help = let_one_in(left_out);
+    help.extend(first.as_ref().and_then(|(_, error)| error.suggestion()));
+    let first = first.map(|log| FailedLog::from(log).why);
+    let problem = match (left_out.is_empty(), first) {
+        (true, None) => "the logs hold no drive".to_owned(),
+        (true, Some(first)) => format!("none of {logs} logs could be ingested; the first: {first}"),
+        (false, first) => {
+            let mut reasons = reasons(left_out);
+            reasons.extend(first.map(|first| {
+                let logs = count(logs, "log", "logs");
+                format!("{logs} could not be ingested, the first: {first}")
+            }));
+            format!("no drive is let in; {}", reasons.join("; "))
+        }
+    };
+    let help = (!help.is_empty()).then(|| help.join("; "));
+    StudyError::NotPossible { problem, help }
+}
+
+/// The first drive of each rule with its reason, and how many more the rule leaves out.
+fn reasons(left_out: &[LeftOutDrive]) -> Vec<String> {
+    let mut by_rule: Vec<(&LeftOutDrive, usize)> = Vec::new();
+    for out in left_out {
+        match by_rule
+            .iter_mut()
+            .find(|(first, _)| first.why.rule == out.why.rule)
+        {
+            Some((_, more)) => *more += 1,
+            None => by_rule.push((out, 0)),
+        }
+    }
+    let reason = |(first, more): (&LeftOutDrive, usize)| {
+        let reason = format!("{}: {}", first.meta.drive, first.why);
+        match more {
+            0 => reason,
+            more => format!("{reason} (and {} more)", count(more, "drive", "drives")),
+        }
+    };
+    by_rule.into_iter().map(reason).collect()
+}
+
+/// What to do about the drives that are left out.
+fn let_one_in(left_out: &[LeftOutDrive]) -> Vec<String> {
+    let unknown = [
+        Rule::UnknownParticipant,
+        Rule::UnknownCondition,
+        Rule::UnknownOccasion,
+    ];
+    let rules: BTreeSet<Rule> = left_out.iter().map(|out| out.why.rule).collect();
+    let (named_otherwise, rules): (Vec<Rule>, Vec<Rule>) =
+        rules.into_iter().partition(|rule| unknown.contains(rule));
+    let mut help = Vec::new();
+    if !named_otherwise.is_empty() {
+        help.push("say whose drives these are under [names] of the mapping, or add people and conditions to the study".to_owned());
+    }
+    if !rules.is_empty() {
+        let rules: Vec<&str> = rules.iter().map(|rule| rule.key()).collect();
+        help.push(format!(
+            "change the rule in the study ({}), or add drives that it lets in",
+            rules.join(", ")
+        ));
+    }
+    help
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use maveric_analysis::Why;
+    use maveric_domain::{DriveMeta, DrivenBy};
+
+    #[test]
+    fn every_reason_is_named_where_no_drive_is_let_in() {
+        let out = |who: &str, rule: Rule, why: &str| LeftOutDrive {
+            log: format!("{who}.csv").into(),
+            meta: DriveMeta::named(format!("{who}-own"), who, "own", DrivenBy::Human).unwrap(),
+            duration_s: 60.0,
+            why: Why::by(rule, why),
+        };
+        let broken = |who: &str| {
+            let path = PathBuf::from(format!("{who}.csv"));
+            (path.clone(), IngestError::NotFound { path })
+        };
+        let short = out("P1", Rule::Short, "60 s");
+        let said = |left_out: &[LeftOutDrive], failed| {
+            let error = none_ingested(left_out, failed);
+            (error.to_string(), error.suggestion().unwrap_or_default())
+        };
+        let (problem, help) = said(&[short], vec![broken("P2"), broken("P3")]);
+        assert!(problem.contains("P1-own: left out by "), "{problem}");
+        let logs = "; 2 logs could not be ingested, the first: ";
+        assert!(
+            problem.contains(logs) && problem.contains("P2.csv"),
+            "{problem}"
+        );
+        assert!(
+            help.contains("drive_shorter_than_s") && help.contains("check the path"),
+            "{help}"
+        );
+        let both = [
+            out("P1", Rule::Short, "60 s"),
+            out("P2", Rule::UnknownCondition, "`own` is none"),
+            out("P3", Rule::UnknownCondition, "`own` is none"),
+        ];
+        let (problem, help) = said(&both, Vec::new());
+        assert!(
+            problem.contains("P2-own: ") && problem.contains("(and 1 drive more)"),
+            "{problem}"
+        );
+        assert!(
+            help.contains("[names]") && help.contains("drive_shorter_than_s"),
+            "{help}"
+        );
     }
 }
