@@ -15,11 +15,9 @@ use syn::{Item, UseTree, visit::Visit};
 /// A module's path within its crate: `["stages", "stats"]`; the crate's own file is the empty one.
 type Module = Vec<String>;
 
-/// One file.
 #[derive(Default)]
 struct File {
     path: PathBuf,
-    /// Names that it defines.
     defines: BTreeSet<String>,
     /// Where the names that it imports come from: `Found` from `["super", "outcomes", "Found"]`.
     imports: BTreeMap<String, Vec<String>>,

@@ -223,7 +223,6 @@ fn numbers_in(value: &Value, found: &mut Vec<f64>) {
     }
 }
 
-/// As sentences have it.
 const MINUS: char = '\u{2212}';
 
 /// A number as sentences have it: a true minus, and without the zero before the point where 1 bounds it.

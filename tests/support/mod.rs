@@ -16,7 +16,6 @@ use std::{
     process::{Command, Output},
 };
 
-/// The project's root.
 pub fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
 }

@@ -64,7 +64,6 @@ pub fn only_scales(study: &TempStudy, folder: &str, scales: &[(&str, String)]) {
     }
 }
 
-/// Who takes part.
 pub const PEOPLE: [&str; 4] = ["P01", "P02", "P03", "P04"];
 /// What they are asked: id, items, highest answer.
 pub const SCALES: [(&str, usize, usize); 2] = [("comfort", 3, 7), ("hurry", 2, 5)];

@@ -45,11 +45,9 @@ pub(crate) fn printable(text: &str) -> Cow<'_, str> {
 /// Why a command ended without its result.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// Interrupted: say little.
     Interrupted,
     /// A run of a pipeline was interrupted, and what it leaves has been told.
     InterruptedRun,
-    /// The work failed.
     Failed(Failed),
     /// The work failed, and its failures have been told as they happened.
     Told,

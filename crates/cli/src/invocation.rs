@@ -54,7 +54,6 @@ pub(crate) fn current() -> Option<&'static Invocation> {
 /// How figures are to look.
 #[derive(Debug)]
 pub(crate) struct FigureStyle {
-    /// The style file; absolute.
     pub(crate) file: PathBuf,
     /// The hash of it and its fonts.
     pub(crate) hash: String,

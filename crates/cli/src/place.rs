@@ -12,14 +12,12 @@ use std::path::{Path, PathBuf};
 
 /// The pipeline of the current directory: that of its study, else the paper's.
 pub(crate) const DEFAULT_PIPELINE: &str = ".";
-/// The paper's.
 const PAPER_PIPELINE: &str = "pipelines/paper.toml";
 /// A study's own pipeline, where it has one.
 const OWN_PIPELINE: &str = "pipelines/study.toml";
 /// Where the pipeline that follows from a study's design is written, and its ledger.
 pub(crate) const DESIGNED_FOLDER: &str = ".maveric";
 const DESIGNED_PIPELINE: &str = ".maveric/study.toml";
-/// Where it writes.
 const RESULTS: &str = "results";
 
 /// The pipeline of a folder, seen from there.

@@ -13,7 +13,6 @@ use maveric_laws::Idm;
 use pulp::{Arch, NullaryFnOnce};
 use std::ops::Range;
 
-/// Cars abreast.
 pub(crate) const LANES: usize = 16;
 /// One number of each car.
 pub(crate) type Lanes = [f64; LANES];

@@ -26,7 +26,6 @@ pub struct Calibrated {
 /// 0.1-10 m, a 0.1-4 and b 0.1-6 m/s².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Family {
-    /// All five.
     Idm,
     /// The time gap alone, all else as in this law.
     IdmTimeGap(Idm),

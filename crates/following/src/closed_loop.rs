@@ -2,9 +2,7 @@
 
 use crate::{error::FollowingError, run::Stretch};
 
-/// Least acceleration, in m/s².
 pub const MIN_ACCEL_MPS2: f64 = -8.0;
-/// Greatest acceleration, in m/s².
 pub const MAX_ACCEL_MPS2: f64 = 4.0;
 
 /// Gap and speed of one closed-loop run; the first row holds the recorded values.

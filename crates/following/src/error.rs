@@ -9,19 +9,16 @@ pub enum FollowingError {
         "drive `{driver}` has no lead vehicle in {missing} of {rows} rows, first in row {row}; cut it to one stretch of following"
     )]
     NoLead {
-        /// The drive.
         driver: String,
         /// First zero-based row without a lead.
         row: usize,
         /// How many rows lack one.
         missing: usize,
-        /// Rows of the drive.
         rows: usize,
     },
     /// A row whose lead vehicle is not that of the row before.
     #[error("drive `{driver}` changes its lead vehicle at row {row}, expected one leader a run")]
     LeaderChanged {
-        /// The drive.
         driver: String,
         /// First zero-based row behind another leader.
         row: usize,
@@ -29,21 +26,16 @@ pub enum FollowingError {
     /// Too few rows to split into two parts of at least two.
     #[error("drive `{driver}` has {found} rows, expected at least {expected}")]
     TooShort {
-        /// The drive.
         driver: String,
-        /// Its rows.
         found: usize,
-        /// Rows needed.
         expected: usize,
     },
     /// Columns that differ in length.
     #[error("drive `{driver}` column `{column}` has {found} rows, expected {expected}")]
     LengthMismatch {
-        /// The drive.
         driver: String,
         /// Name of the field of [`FollowingColumns`](crate::FollowingColumns).
         column: &'static str,
-        /// Its rows.
         found: usize,
         /// Rows of `time_s`.
         expected: usize,
@@ -51,13 +43,10 @@ pub enum FollowingError {
     /// A number that a column cannot hold.
     #[error("drive `{driver}` column `{column}` row {row} is {found}, expected {expected}")]
     BadValue {
-        /// The drive.
         driver: String,
         /// Name of the field of [`FollowingColumns`](crate::FollowingColumns).
         column: &'static str,
-        /// Zero-based row.
         row: usize,
-        /// What was found.
         found: f64,
         /// What may stand there, in words.
         expected: &'static str,
@@ -65,15 +54,12 @@ pub enum FollowingError {
     /// A sampling rate that is no rate.
     #[error("drive `{driver}` has a rate of {found} Hz, expected a finite number above 0")]
     BadRate {
-        /// The drive.
         driver: String,
-        /// What was found.
         found: f64,
     },
     /// Rows that are not one sampling step apart, as at a hole in a recording.
     #[error("drive `{driver}` steps {found_s} s to row {row}, expected {expected_s} s")]
     UnevenTime {
-        /// The drive.
         driver: String,
         /// Zero-based row at the end of the step.
         row: usize,
@@ -85,7 +71,6 @@ pub enum FollowingError {
     /// A part of a drive in which ego never moves: it has no time gap.
     #[error("drive `{driver}` never exceeds {above_mps} m/s in its first two thirds: no time gap")]
     NeverMoves {
-        /// The drive.
         driver: String,
         /// The speed to exceed, in m/s.
         above_mps: f64,
@@ -93,11 +78,9 @@ pub enum FollowingError {
     /// An acceleration law that returned NaN or infinity.
     #[error("the law `{law}` gave an acceleration of {found} at row {row} of drive `{driver}`")]
     LawNotFinite {
-        /// The drive.
         driver: String,
         /// Name of the law that was simulated.
         law: String,
-        /// Zero-based row.
         row: usize,
         /// What it returned, in m/s².
         found: f64,
@@ -105,19 +88,14 @@ pub enum FollowingError {
     /// Fewer drivers than a population needs.
     #[error("{found} drivers, expected at least {expected}: a population is the other drivers")]
     TooFewDrivers {
-        /// Drivers given.
         found: usize,
-        /// Drivers needed.
         expected: usize,
     },
     /// A setting outside its range.
     #[error("`{name}` is {found}, expected {expected}")]
     BadSetting {
-        /// The setting.
         name: &'static str,
-        /// What was found.
         found: f64,
-        /// The range in words.
         expected: &'static str,
     },
 }

@@ -31,7 +31,6 @@ impl FollowingMethod {
         (M::IdmOwn, M::IdmPopulationOwnTimeGap),
     ];
 
-    /// Word used in files.
     pub fn as_str(self) -> &'static str {
         match self {
             M::IdmPopulation => "idm_population",

@@ -35,7 +35,6 @@ pub struct MethodMean {
     pub mixed: f64,
     /// In how many drives the simulated gap reached 0.
     pub reached_zero: usize,
-    /// Number of drives.
     pub drivers: usize,
 }
 
@@ -50,9 +49,7 @@ pub struct Compared {
     pub mean_m: f64,
     /// Lower end of its 95 % interval, people drawn with replacement; `None` with too few of them.
     pub low_m: Option<f64>,
-    /// Upper end.
     pub high_m: Option<f64>,
-    /// Median difference, in m.
     pub median_m: f64,
     /// For how many people `method` is nearer.
     pub better: usize,
@@ -76,7 +73,6 @@ pub struct MethodSeries {
 pub struct TestSeries {
     /// Time, in s, as in the run.
     pub time_s: Vec<f64>,
-    /// Recorded gap, in m.
     pub gap_m: Vec<f64>,
     /// Recorded speed of ego, in m/s.
     pub ego_speed_mps: Vec<f64>,
@@ -128,7 +124,6 @@ impl FollowingEvaluation {
         best.is_some_and(|best| best.method == method)
     }
 
-    /// How many people drove.
     pub fn people(&self) -> usize {
         each_once(self.drivers.iter().map(DriverEvaluation::person)).len()
     }
@@ -154,7 +149,6 @@ impl FollowingEvaluation {
 }
 
 impl DriverEvaluation {
-    /// Who drove.
     pub fn person(&self) -> &str {
         self.person.as_deref().unwrap_or(&self.driver)
     }

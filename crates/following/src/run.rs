@@ -116,17 +116,14 @@ impl FollowingRun {
         &self.driver
     }
 
-    /// Who drove.
     pub fn person(&self) -> &str {
         &self.person
     }
 
-    /// Samples a second.
     pub fn rate_hz(&self) -> f64 {
         self.rate_hz
     }
 
-    /// Number of rows, n.
     pub fn rows(&self) -> usize {
         self.columns.time_s.len()
     }
@@ -147,7 +144,6 @@ impl FollowingRun {
         Stretch { run: self, rows }
     }
 
-    /// The rest.
     pub fn test(&self) -> Stretch<'_> {
         let rows = self.test_start()..self.rows();
         Stretch { run: self, rows }

@@ -6,12 +6,10 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
-/// How thoroughly to search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SearchSettings {
     /// Members of the differential evolution for each parameter of the law.
     pub members_per_parameter: usize,
-    /// Its generations at most.
     pub generations: usize,
     /// Generations in a row after which it ends if they gained nothing.
     pub patience: usize,
@@ -37,7 +35,6 @@ pub(crate) struct Minimum {
     pub(crate) cost: f64,
 }
 
-/// What is minimised.
 pub(crate) trait Cost {
     /// The cost of each point, or infinity as soon as it must exceed the limit beside it.
     fn costs(&self, points: &[Vec<f64>], limits: &[f64]) -> Vec<f64>;

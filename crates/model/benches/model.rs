@@ -37,7 +37,6 @@ fn train_epoch(bencher: Bencher<'_, '_>, batch_size: usize) {
         .bench_local(|| trained(&drives, 5, batch_size));
 }
 
-/// One window to set-points.
 #[divan::bench]
 fn predict_one_window(bencher: Bencher<'_, '_>) {
     let drives = drives::drivers(2, 60.0);

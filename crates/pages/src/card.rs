@@ -8,7 +8,6 @@ use maveric_report::{
 };
 use minijinja::{Value, context};
 
-/// How a verdict looks.
 fn tone(verdict: Verdict) -> Tone {
     match verdict {
         Verdict::Shown => Tone::Good,

@@ -24,12 +24,10 @@ pub(crate) enum Block {
 /// The texts of a manuscript.
 #[derive(Debug, Default)]
 pub(crate) struct Manuscript {
-    /// Of the study, plain.
     pub(crate) title: String,
     pub(crate) authors: Vec<String>,
     pub(crate) methods: Vec<Block>,
     pub(crate) results: Vec<Block>,
-    /// What the methods cite.
     pub(crate) references: Vec<Reference>,
 }
 

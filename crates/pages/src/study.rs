@@ -34,9 +34,7 @@ use serde::Serialize;
 pub struct StudyPage<'a> {
     /// Conditions, outcomes and scales, as `study.toml` declares them.
     pub design: &'a Design,
-    /// Its results.
     pub analysis: &'a Analysis,
-    /// Whose numbers they are.
     pub context: &'a Context,
     /// The claims that it is held against; empty where there are none.
     pub ledger: &'a [LedgerRow],

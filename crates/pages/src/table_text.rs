@@ -59,7 +59,6 @@ enum Show {
     /// Any text, taken as it is.
     #[default]
     Text,
-    /// A text with marks.
     Marked,
     Count,
     Number,

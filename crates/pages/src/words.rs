@@ -271,7 +271,6 @@ pub(crate) fn label_of_id(design: &Design, id: &str) -> String {
         .map_or_else(|_| id.to_owned(), |id| label(design, id))
 }
 
-/// What the dial turns.
 pub(crate) fn style(design: &Design) -> &str {
     design.style().map_or("the style", |style| &style.label)
 }

@@ -19,7 +19,6 @@ use serde::{Deserialize, Serialize};
 pub struct PlannedDrive {
     /// Such as `S1P04-aggressive`.
     pub drive: DriveId,
-    /// Who drives.
     pub participant: ParticipantId,
     /// What the person takes part in.
     pub part: Part,

@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 /// Loadings on latent traits, by name.
 pub type Loadings = BTreeMap<Trait, f64>;
 
-/// Σ loading · trait.
 pub(crate) fn weighted(participant: &Participant, loadings: &Loadings) -> f64 {
     let terms = loadings.iter();
     terms
@@ -29,13 +28,11 @@ pub(crate) fn weighted(participant: &Participant, loadings: &Loadings) -> f64 {
 pub struct Effects {
     /// Share of items left out, 0 to below 1.
     pub missing_rate: f64,
-    /// The ADB scale.
     pub adb: AdbModel,
     /// The other scales answered before the drives: scale → subscale → model.
     pub answers: BTreeMap<String, BTreeMap<String, FactorModel>>,
     /// How people perceive what the car does.
     pub perception: Perception,
-    /// Which style people prefer.
     pub preference: Preference,
     /// How much people mind that the car drives unlike themselves.
     pub homophily: Homophily,
@@ -50,7 +47,6 @@ pub struct Effects {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AdbModel {
-    /// Mean total, in points.
     pub mean_points: f64,
     /// Standard deviation of the total, in points.
     pub sd_points: f64,
@@ -89,7 +85,6 @@ pub struct Perception {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Preference {
-    /// Effect: mean over people.
     pub intercept: f64,
     /// Standard deviation of what no trait explains.
     pub own_sd: f64,
@@ -102,7 +97,6 @@ pub struct Preference {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Homophily {
-    /// Effect: mean over people.
     pub mean: f64,
     /// Standard deviation of what no trait explains.
     pub own_sd: f64,
@@ -119,7 +113,6 @@ pub struct Homophily {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RatingModel {
-    /// Mean rating.
     pub mean: f64,
     /// Effect of the fit to the preferred style.
     #[serde(default)]
@@ -152,7 +145,6 @@ pub struct RatingModel {
     pub person_sd: f64,
     /// Standard deviation of what is left in a person and condition.
     pub noise_sd: f64,
-    /// Scatter of the items.
     pub item_sd: f64,
 }
 

@@ -11,9 +11,7 @@ pub enum ParticipantError {
     BadSetting {
         /// The key, with the tables it is in.
         name: String,
-        /// What was found.
         found: f64,
-        /// The range in words.
         expected: &'static str,
     },
     /// A model for a subscale that no scale has.
@@ -55,13 +53,11 @@ pub enum ParticipantError {
         scale: String,
         /// Code name of the subscale, or `correlations`.
         subscale: String,
-        /// What is impossible.
         problem: &'static str,
     },
     /// A condition rated twice, or one that is not rated.
     #[error("participant {participant}: condition {condition} {problem}")]
     BadTrial {
-        /// Who.
         participant: ParticipantId,
         /// Its id in the design.
         condition: ConditionId,
@@ -71,11 +67,9 @@ pub enum ParticipantError {
     /// A measure that is NaN or infinite.
     #[error("participant {participant}: measure `{measure}` is {found}, expected a finite number")]
     BadMeasure {
-        /// Who.
         participant: ParticipantId,
         /// Code name of the measure.
         measure: String,
-        /// What was found.
         found: f64,
     },
     /// A questionnaire definition or an identifier that is refused.

@@ -144,14 +144,11 @@ impl Trait {
     }
 }
 
-/// One synthetic person.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Participant {
     /// Such as `S2P07`.
     pub id: ParticipantId,
-    /// Where they were recruited.
     pub population: Population,
-    /// Age in whole years.
     pub age_years: u32,
     /// As the paper reports it; it decides nothing of how they drive.
     pub gender: Gender,
@@ -161,7 +158,6 @@ pub struct Participant {
     pub order: Vec<ConditionId>,
     /// What their driving comes from.
     pub traits: LatentTraits,
-    /// The Big Five.
     pub personality: Personality,
     /// How much of a high-velocity driver they think they are, N(0, 1).
     pub high_velocity: f64,

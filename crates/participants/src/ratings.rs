@@ -18,7 +18,6 @@ use std::{
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct RatingWarning {
-    /// Who.
     pub participant: ParticipantId,
     /// The one that they rated.
     pub condition: ConditionId,

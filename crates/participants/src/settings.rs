@@ -37,7 +37,6 @@ pub struct CohortSettings {
     pub professional_share: f64,
     /// Aggressiveness at which professionals drive the aggressive role; its negative for the cautious one.
     pub role_aggressiveness: f64,
-    /// Standard deviation of that.
     pub role_sd: f64,
     /// Correlation of conscientiousness with aggressiveness.
     pub conscientiousness_aggressiveness: f64,

@@ -13,7 +13,6 @@ use maveric_domain::{
 };
 use std::collections::BTreeMap;
 
-/// The paper's.
 pub(crate) fn design() -> Design {
     Design::from_toml(maveric_data::DESIGNS_PAPER).unwrap()
 }
@@ -123,7 +122,6 @@ pub(crate) fn score(
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Pearson's r.
 pub(crate) fn correlation(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
@@ -181,7 +179,6 @@ impl TestStudy {
             .collect()
     }
 
-    /// Mimic minus another condition.
     pub(crate) fn mimic_minus(&self, other: ConditionId, scale: &str, subscale: &str) -> Vec<f64> {
         let mimic = self.scores(Moment::after(id("mimic")), scale, subscale);
         let other = self.scores(Moment::after(other), scale, subscale);

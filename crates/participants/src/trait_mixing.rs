@@ -84,7 +84,6 @@ impl TraitMixing {
             .sum()
     }
 
-    /// Correlation of two traits.
     pub(crate) fn correlation(&self, x: Trait, y: Trait) -> f64 {
         let (x, y) = (&self.0[place(x)], &self.0[place(y)]);
         x.iter().zip(y).map(|(a, b)| a * b).sum()

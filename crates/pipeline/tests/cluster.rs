@@ -177,7 +177,6 @@ fn report(folder: &Path, executor: &str, word: &str) -> serde_json::Value {
     serde_json::from_str(&text.unwrap_or_else(|_| panic!("{}", heard()))).unwrap()
 }
 
-/// Texts by name.
 type Texts = Vec<(String, String)>;
 
 fn made(folder: &Path) -> Texts {

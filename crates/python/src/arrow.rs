@@ -78,7 +78,6 @@ impl<'py> Columns<'py> {
         self.push(name, "U", rows, [Vec::new(), ends, text])
     }
 
-    /// What Python gets.
     pub(crate) fn finish(self) -> Vec<Column> {
         self.columns
     }

@@ -21,7 +21,6 @@ pub(crate) fn raised(error: impl Error) -> PyErr {
     MavericError::new_err(text)
 }
 
-/// An error in words.
 pub(crate) fn maveric_error(text: impl Into<String>) -> PyErr {
     MavericError::new_err(text.into())
 }

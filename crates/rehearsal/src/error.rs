@@ -27,7 +27,6 @@ pub enum RehearsalError {
     FewDonors {
         /// Its id in the design.
         condition: ConditionId,
-        /// People of the study.
         people: usize,
         /// All but the one to whom it is lent.
         donors: usize,

@@ -30,13 +30,11 @@ use std::fmt;
 pub struct Drove {
     /// The recording, by its id.
     pub drive: DriveId,
-    /// Whose it is.
     pub participant: ParticipantId,
     /// What they were told; a role that repeats another is that one.
     pub role: ConditionId,
     /// The score that belongs to it, in points.
     pub points: Option<f64>,
-    /// Mean speed, in m/s.
     pub speed_mps: Option<f64>,
     /// Median time gap over the samples with a vehicle ahead, in s.
     pub time_gap_s: Option<f64>,
@@ -47,7 +45,6 @@ pub struct Drove {
 pub struct Line {
     /// Position on the line of the score.
     pub position: Vec<Option<f64>>,
-    /// Its standard error.
     pub se: Vec<Option<f64>>,
     /// The score read from the style, in points.
     pub score: Vec<Option<f64>>,
@@ -59,9 +56,7 @@ pub type Styles = Vec<Option<Known>>;
 /// Somebody whom a table cannot count.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Uncounted {
-    /// Who.
     pub participant: ParticipantId,
-    /// What there is not.
     #[serde(flatten)]
     pub why: Missing,
 }
@@ -72,7 +67,6 @@ pub struct Uncounted {
 pub enum Missing {
     /// They drove in no such role.
     Drive {
-        /// The role looked for.
         role: ConditionId,
     },
     /// They drove only once in the role.

@@ -44,7 +44,6 @@ impl Part {
         Self::Congruence,
     ];
 
-    /// Name for people.
     pub fn title(self) -> &'static str {
         match self {
             Self::Line => "Line of the style (Pearson)",
@@ -64,7 +63,6 @@ impl Part {
 /// One test of one study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// Part of the report.
     pub part: Part,
     /// Such as `nearer.lane_changes.calm`; of a homophily test the claims ledger's key, before `.r`.
     pub key: String,
@@ -83,7 +81,6 @@ pub struct Found {
 /// What came of one study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Studied {
-    /// Every test.
     pub tests: Vec<Found>,
     /// The declared hypotheses, in the design's order.
     pub judged: Vec<Judged>,
@@ -283,7 +280,6 @@ fn name_of(panel: &Panel) -> String {
     }
 }
 
-/// The same for people.
 fn title_of(panel: &Panel) -> String {
     match &panel.group {
         Some(group) => format!("{} ({})", panel.title, group.label),

@@ -53,7 +53,6 @@ pub enum MeasureModel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DrawnMeasure {
-    /// Mean of own drives.
     pub mean: f64,
     /// Standard deviation of own drives over people.
     pub sd: f64,
@@ -68,9 +67,7 @@ pub struct DrawnMeasure {
     pub missing: f64,
     /// Loadings on traits; squares add up to at most 1.
     pub loadings: BTreeMap<Trait, f64>,
-    /// Lowest value.
     pub low: f64,
-    /// Highest value.
     pub high: f64,
     /// Mean error of the car.
     pub bias: f64,
@@ -88,7 +85,6 @@ pub struct DrawnMeasure {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Step {
-    /// Mean change.
     pub step: f64,
     /// Standard deviation of it over people.
     pub sd: f64,
@@ -100,7 +96,6 @@ pub struct Step {
 pub struct Round {
     /// Change with the cosine of the angle.
     pub cosine: f64,
-    /// Change with its sine.
     pub sine: f64,
     /// Standard deviation of what the angle does not explain.
     pub sd: f64,

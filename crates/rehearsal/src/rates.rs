@@ -10,15 +10,12 @@ use maveric_stats::{Proportion, proportion};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Level of every test.
 pub const ALPHA: f64 = 0.05;
 
 /// One test over the studies of a cell.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TestRate {
-    /// Part of the report.
     pub part: Part,
-    /// Name of the test.
     pub key: String,
     /// What it is about, for people.
     pub about: String,
@@ -41,22 +38,18 @@ pub struct TestRate {
 /// One family over the studies of a cell.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FamilyRate {
-    /// Name of the family.
     pub family: String,
     /// Tests that are corrected together.
     pub tests: usize,
     /// Share of studies in which any of them has p < .05, uncorrected.
     pub any_uncorrected: Option<Proportion>,
-    /// The same after Holm.
     pub any_holm: Option<Proportion>,
 }
 
 /// One declared hypothesis over the studies of a cell.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct HypothesisRate {
-    /// In words, as declared.
     pub says: String,
-    /// Id of the outcome.
     pub outcome: String,
     /// The conditions: first minus second.
     pub contrast: [ConditionId; 2],
@@ -71,7 +64,6 @@ pub struct HypothesisRate {
 /// One question of a study's page over the studies of a cell.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FindingRate {
-    /// What the page answers.
     pub question: Question,
     /// Studies that could judge it.
     pub studies: usize,
@@ -111,7 +103,6 @@ fn shares(
 /// Studies of one size and one scale of the effects.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Cell {
-    /// Participants of each study.
     pub participants: usize,
     /// What every effect is multiplied with.
     pub effect_scale: f64,
@@ -119,7 +110,6 @@ pub struct Cell {
     pub studies: usize,
     /// Every test of the report.
     pub tests: Vec<TestRate>,
-    /// Every family.
     pub families: Vec<FamilyRate>,
     /// Every declared hypothesis, in the design's order.
     pub hypotheses: Vec<HypothesisRate>,

@@ -27,11 +27,9 @@ use std::collections::BTreeMap;
 pub struct World {
     /// Who is tested in which conditions.
     pub design: Design,
-    /// What drives look like.
     pub population: PopulationModel,
     /// Sizes of the effects in answers and ratings.
     pub effects: Effects,
-    /// The questionnaires.
     pub scales: Vec<Scale>,
     /// Points of the design's dial in one step of the population.
     pub points: f64,
@@ -39,7 +37,6 @@ pub struct World {
 
 /// A study that was never driven.
 pub struct Rehearsed {
-    /// Who they are.
     pub people: Vec<Participant>,
     /// What a run would have left.
     pub data: StudyData,
@@ -220,9 +217,7 @@ type LentTo<'a> = BTreeMap<ConditionId, Loan<'a>>;
 struct Driven<'a> {
     /// The first drive by hand.
     own: MeasureValues,
-    /// Those of further sessions.
     again: Vec<(Ride, MeasureValues)>,
-    /// The rides.
     trials: Vec<(Ride, MeasureValues)>,
     /// Of a move across the dial, in rad.
     angle: f64,

@@ -21,7 +21,6 @@ impl Default for Digest {
 }
 
 impl Digest {
-    /// Takes the next number.
     pub fn add(&mut self, number: f64) {
         for byte in number.to_bits().to_le_bytes() {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);

@@ -43,7 +43,6 @@ pub struct SeatDrive<'a> {
 /// A drive that is over.
 #[derive(Debug)]
 pub struct Driven {
-    /// What happened.
     pub rollout: Rollout,
     /// The last line of its record.
     pub end: End,
@@ -149,12 +148,10 @@ impl<'a> SeatDrive<'a> {
         }
     }
 
-    /// What can be seen.
     pub fn session(&self) -> &Session<'a> {
         &self.session
     }
 
-    /// Steps driven.
     pub fn ticks(&self) -> u64 {
         self.tick
     }

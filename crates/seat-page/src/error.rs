@@ -23,7 +23,6 @@ pub enum SeatPageError {
     Gap {
         /// Counted from 1.
         line: usize,
-        /// Where the piece begins.
         found: u64,
         /// Where the one before ended.
         expected: u64,

@@ -8,11 +8,9 @@ const FULL_STEERING: f64 = 30_000.0;
 /// The whole way of a pedal.
 const FULL_PEDAL: f64 = 10_000.0;
 
-/// A turn signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(try_from = "i8", into = "i8")]
 pub enum Signal {
-    /// Neither.
     #[default]
     Off,
     /// The left turn signal blinks.
@@ -52,7 +50,6 @@ pub struct Input {
     pub throttle: u16,
     /// 0 to 10000.
     pub brake: u16,
-    /// The turn signal.
     pub signal: Signal,
 }
 

@@ -20,15 +20,11 @@ const LET_GO_PER_S: f64 = 4.0;
 /// The hardest that the key of the brake brakes; with the key of the accelerator held too it is an emergency.
 const KEY_BRAKE: f64 = 0.6;
 
-/// Which keys are down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a key")]
 pub struct Keys {
-    /// Steer to the left.
     pub left: bool,
-    /// Steer to the right.
     pub right: bool,
-    /// The accelerator.
     pub faster: bool,
     /// The brake, short of an emergency.
     pub slower: bool,

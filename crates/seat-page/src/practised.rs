@@ -64,7 +64,6 @@ impl Practised {
         f64::from(self.kept) * 0.01
     }
 
-    /// Vehicles that were passed.
     pub fn passes(&self) -> u32 {
         self.passes
     }

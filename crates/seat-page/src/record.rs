@@ -18,7 +18,6 @@ pub struct Header {
     pub driven_by: DrivenBy,
     /// Root of every random choice of the world.
     pub seed: u64,
-    /// The world.
     pub scenario: Scenario,
     /// The controllers of a ride; none of one that shows a drive by hand again.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -29,7 +28,6 @@ pub struct Header {
 }
 
 impl Header {
-    /// Version of records.
     pub const VERSION: u32 = 1;
 
     /// Whether its pieces hold inputs: of a drive by hand, and of a ride that shows one again.
@@ -42,9 +40,7 @@ impl Header {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "HeldRow", into = "HeldRow")]
 pub struct Held {
-    /// For how many steps.
     pub steps: u32,
-    /// What.
     pub input: Input,
 }
 
@@ -83,7 +79,6 @@ impl From<Held> for HeldRow {
 pub struct Asked {
     /// For how many rows of the recording.
     pub rows: u32,
-    /// What.
     pub setpoints: Setpoints,
 }
 
@@ -137,11 +132,9 @@ pub struct Event {
     pub points: Option<f64>,
 }
 
-/// How the pictures came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frames {
-    /// Pictures drawn.
     pub drawn: u32,
     /// Pictures that came more than 50 ms after the one before.
     pub late: u32,
@@ -159,7 +152,6 @@ pub struct Frames {
 pub struct Chunk {
     /// First step of the piece.
     pub from_tick: u64,
-    /// Steps in it.
     pub ticks: u64,
     /// A person's inputs; they add up to `ticks`. Nothing in a ride.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -167,10 +159,8 @@ pub struct Chunk {
     /// A ride's set-points, a row of the recording each. Nothing in a drive by hand.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub asked: Vec<Asked>,
-    /// What else happened.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<Event>,
-    /// Pictures.
     #[serde(default)]
     pub frames: Frames,
 }
@@ -179,16 +169,13 @@ pub struct Chunk {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct End {
-    /// Steps driven.
     pub end_tick: u64,
     /// [`Digest`](crate::Digest) of all states.
     pub states: String,
 }
 
-/// A whole record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// Its first line.
     pub header: Header,
     /// Its pieces, in order, none missing.
     pub chunks: Vec<Chunk>,
@@ -308,7 +295,6 @@ impl Record {
             && ours.zip(theirs).all(|(our, their)| our == their)
     }
 
-    /// Steps that were kept.
     pub fn ticks(&self) -> u64 {
         self.chunks.iter().map(|c| c.ticks).sum()
     }

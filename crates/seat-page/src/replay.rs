@@ -11,7 +11,6 @@ use maveric_simulator::{Planner, Rollout, View};
 /// A drive that was driven again from its record.
 #[derive(Debug)]
 pub struct Replayed {
-    /// What happened.
     pub rollout: Rollout,
     /// The end it came to now.
     pub end: End,

@@ -91,7 +91,6 @@ struct Again {
     states: String,
 }
 
-/// What Node says.
 fn in_node(told: &serde_json::Value) -> InNode {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/in_node.mjs");
     let mut node = Command::new("node")

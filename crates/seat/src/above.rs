@@ -12,7 +12,6 @@ const AHEAD_M: f64 = 280.0;
 const ACROSS: f64 = 4.0;
 /// Size of the curve of speed.
 const CURVE: (f64, f64) = (400.0, 60.0);
-/// Points of that curve.
 const MOST_POINTS: usize = 200;
 
 /// The last scene of a record from above, and the speed until then, as SVG.

@@ -15,7 +15,6 @@ use axum::{
     routing::get,
 };
 
-/// Letters of a reason.
 const LONGEST_REASON: usize = 200;
 
 /// Each question, and what is done once it is answered.

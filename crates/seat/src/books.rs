@@ -38,7 +38,6 @@ impl Books<'_> {
         question(self.connection).map_err(|source| SeatError::store(self.path, source))
     }
 
-    /// Changes what is kept.
     pub(crate) fn change(&self, statement: &str, values: impl Params) -> Result<(), SeatError> {
         self.ask(|c| c.execute(statement, values)).map(drop)
     }
@@ -69,7 +68,6 @@ impl Books<'_> {
         })
     }
 
-    /// Lets somebody in.
     pub(crate) fn add(&self, person: &Person) -> Result<(), SeatError> {
         // Steps are made of what was checked.
         let steps = serde_json::to_string(&person.steps).unwrap_or_default();
@@ -209,7 +207,6 @@ impl Books<'_> {
         )
     }
 
-    /// Keeps a person's style.
     pub(crate) fn fit(&self, person: &Person, fit: &str) -> Result<(), SeatError> {
         self.change(
             "UPDATE person SET fit = ?2 WHERE token = ?1",
@@ -301,7 +298,6 @@ impl Books<'_> {
         self.rows(question, [most], |row| Ok((row.get(0)?, row.get(1)?)))
     }
 
-    /// Writes down what happened.
     pub(crate) fn event(&self, participant: Option<&str>, what: &str) -> Result<(), SeatError> {
         self.change(
             "INSERT INTO event VALUES (?1, ?2, ?3)",

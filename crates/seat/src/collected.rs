@@ -22,7 +22,6 @@ const PRACTICE: &str = "practice";
 const END: &str = "end";
 /// How the text of an experimenter's note begins among the seat's events.
 pub(crate) const NOTE: &str = "note: ";
-/// All of them.
 #[derive(Debug, Default)]
 pub(crate) struct Collected {
     pub(crate) events: Vec<EventRow>,

@@ -19,7 +19,6 @@ const WHOLE_DRIVES: u64 = 10;
 pub(crate) struct Begun {
     /// Counted from 1 within its step.
     pub(crate) attempt: u32,
-    /// Steps that were kept.
     pub(crate) ticks: u64,
     /// Whether its end was kept.
     pub(crate) ended: bool,

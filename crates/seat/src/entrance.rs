@@ -16,7 +16,6 @@ use axum::{
 };
 use std::time::Duration;
 
-/// Name of the cookie.
 const COOKIE: &str = "lab";
 /// A wrong guess takes so long, and those behind it wait.
 const WRONG_TAKES: Duration = Duration::from_millis(500);
@@ -101,7 +100,6 @@ pub(crate) fn door(words: &Words, wrong: bool) -> Response {
     (status, page).into_response()
 }
 
-/// Takes the password.
 pub(crate) async fn enter(State(shared): State<Shared>, body: Bytes) -> Response {
     let given = form_field(&body, "password");
     if !shared.is_password(given.as_deref()).await {

@@ -74,7 +74,6 @@ pub enum SeatError {
     #[error("{problem}")]
     Protocol {
         problem: String,
-        /// What to do.
         help: Option<String>,
     },
     /// Work that stopped in the middle.
@@ -83,7 +82,6 @@ pub enum SeatError {
     /// The system gives no random numbers.
     #[error("no random numbers for links: {problem}")]
     Random { problem: String },
-    /// The study's files.
     #[error(transparent)]
     Study(#[from] StudyError),
 }

@@ -52,7 +52,6 @@ struct Place {
 }
 
 impl Files {
-    /// Nothing is written.
     pub fn nowhere() -> Self {
         Self(None)
     }

@@ -332,7 +332,6 @@ fn gone_note(record: &Record) -> Option<String> {
 /// What came of a drive, beside its files.
 #[derive(Default)]
 struct Outcome {
-    /// The drive's name.
     name: String,
     /// What whoever runs the study is told.
     told: Vec<String>,

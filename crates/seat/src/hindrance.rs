@@ -75,7 +75,6 @@ pub enum Hindrance {
     Styles {
         condition: ConditionId,
         problem: String,
-        /// What to do.
         remedy: String,
     },
     /// A condition whose drives the program would make again.
@@ -135,7 +134,6 @@ impl Hindrance {
         format!("{self}: {}", self.remedy())
     }
 
-    /// What to do.
     pub fn remedy(&self) -> String {
         match self {
             Self::Software { .. } => {

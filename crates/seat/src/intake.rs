@@ -20,11 +20,9 @@ const LONGEST_LINE: usize = 16 << 10;
 /// Events in a piece, beside one a step; and letters of what happened.
 const MOST_EVENTS: usize = 16;
 const LONGEST_EVENT: usize = 200;
-/// Length of a digest.
 const DIGEST_LEN: usize = 16;
 /// How often one step may be begun.
 const MOST_ATTEMPTS: u32 = 50;
-/// Longest style.
 const MOST_COORDINATES: usize = 64;
 
 /// Takes in a drive: its header once, pieces as they come, its end. Gives the step up to which all is kept.

@@ -46,7 +46,6 @@ async fn inside(State(shared): State<Shared>, request: Request, next: Next) -> R
     }
 }
 
-/// Letters of a note.
 const LONGEST_NOTE: usize = 1_000;
 
 async fn page(State(shared): State<Shared>) -> Response {

@@ -7,7 +7,6 @@ use crate::sheet::Sheet;
 pub(crate) enum Listed {
     /// It was not written yet.
     NotYet,
-    /// It was written.
     Written,
     /// It was written, and somebody took it out by hand.
     TakenOut,

@@ -25,14 +25,12 @@ pub(crate) const PEOPLE: &str = "people";
 pub(crate) const HAPPENED: &str = "happened";
 pub(crate) const DISK: &str = "disk";
 
-/// Where somebody is.
 struct Whereabouts {
     token: String,
     at: usize,
     ended: Option<String>,
     /// When they came to the step, or ended, in s since 1970.
     since: i64,
-    /// Their style, as JSON.
     fit: Option<String>,
     /// Steps of 0.01 s of what they drive now, and its last piece.
     driven: Option<(u64, Option<String>)>,
@@ -255,7 +253,6 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
     )
 }
 
-/// How somebody's part ended.
 fn ended(how: &str, words: &Words) -> String {
     let name = match how {
         "done" => "lab_done",

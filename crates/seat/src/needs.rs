@@ -11,22 +11,17 @@ pub enum Need {
     Webgl,
     /// How often a second the browser draws the road.
     PicturesPerSecond {
-        /// At least so many.
         least: f64,
     },
-    /// A wide window.
     WidthPx {
         /// At least so many pixels.
         least: f64,
     },
-    /// A high window.
     HeightPx {
         /// At least so many pixels.
         least: f64,
     },
-    /// Something to drive with.
     Device {
-        /// Which.
         device: InputDevice,
     },
 }

@@ -3,7 +3,6 @@
 /// Lines of a drive, each checked by itself and against the step.
 #[derive(Debug, Default)]
 pub(crate) struct Parts {
-    /// Its first line.
     pub(crate) header: Option<String>,
     /// First step, steps and line of each piece.
     pub(crate) pieces: Vec<(u64, u64, String)>,

@@ -20,18 +20,15 @@ pub(crate) fn lets_in(step: &Step) -> bool {
     step.rules().is_some() || matches!(step, Step::Text { agree: true, .. })
 }
 
-/// Somebody with a link.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Person {
     pub(crate) token: String,
-    /// Never in a link.
     pub(crate) participant: String,
     pub(crate) steps: Vec<Step>,
     /// The step they are at.
     pub(crate) at: usize,
     /// How their part ended: `done`, `left`, [`NOT_ADMITTED`] or [`NEVER_CAME`].
     pub(crate) ended: Option<String>,
-    /// Their style, as JSON.
     pub(crate) fit: Option<String>,
     /// What stands of them in the study's table of people.
     pub(crate) listed: Listed,

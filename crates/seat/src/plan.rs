@@ -27,7 +27,6 @@ fn own_world(root: u64, participant: &str, what: &str) -> String {
     stream_seed(root, &[participant, what, "world"]).to_string()
 }
 
-/// Somebody who rides.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Riding<'a> {
     /// The places that the conditions have in the design, in the order in which they are ridden.

@@ -102,7 +102,6 @@ impl Refusals {
             .retain(|r| r.participant.as_deref() != Some(participant));
     }
 
-    /// All, the newest first.
     pub(crate) fn newest_first(&self) -> Vec<Refusal> {
         held(&self.list).all.iter().rev().cloned().collect()
     }

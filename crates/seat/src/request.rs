@@ -40,7 +40,6 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// What the study says.
     pub(crate) fn words(&self) -> &Words {
         &self.seat.settings.texts.words
     }
@@ -55,7 +54,6 @@ pub(crate) const LASTING: HeaderName = HeaderName::from_static("maveric-refused"
 
 /// Why a request is refused.
 pub(crate) enum Refused {
-    /// Nobody has this link.
     NoSuchPerson,
     /// Their part is over, or that of a step that was left out.
     Over,
@@ -67,7 +65,6 @@ pub(crate) enum Refused {
     AnsweredBefore(usize),
     /// It can no longer be done.
     TooLate(String),
-    /// Our own fault.
     Failed(SeatError),
 }
 

@@ -33,7 +33,6 @@ use std::{
 
 /// What a seat is opened with.
 pub struct SeatSettings {
-    /// The study.
     pub design: Design,
     /// The scales that the study may ask.
     pub scales: Vec<Scale>,
@@ -41,7 +40,6 @@ pub struct SeatSettings {
     pub texts: Texts,
     /// As `texts`.
     pub in_others: Vec<Texts>,
-    /// Its world.
     pub scenario: Scenario,
     /// The model that rides, as in its file; none in a phase in which people only drive by hand.
     pub model: Option<Vec<u8>>,
@@ -55,10 +53,8 @@ pub struct SeatSettings {
     pub password: Option<String>,
 }
 
-/// Whose links there are.
 #[derive(Debug, Default)]
 struct Links {
-    /// By their tokens.
     people: BTreeMap<String, Arc<Known>>,
     /// Digests of the tokens of who is forgotten.
     forgotten: BTreeSet<String>,
@@ -230,7 +226,6 @@ impl Seat {
         self.stopping.store(true, Ordering::Relaxed);
     }
 
-    /// Whether it was closed.
     pub(crate) fn stopping(&self) -> bool {
         self.stopping.load(Ordering::Relaxed)
     }

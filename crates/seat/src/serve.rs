@@ -39,12 +39,10 @@ use std::{
     time::Duration,
 };
 
-/// A server that listens.
 pub struct Serving {
     listener: tokio::net::TcpListener,
     wire: Wire,
     router: Router,
-    /// Where it listens.
     pub address: SocketAddr,
 }
 

@@ -12,9 +12,7 @@ use std::path::Path;
 /// The pages that were written, and the questionnaires of which there is none, each with the reason.
 #[derive(Debug, Default)]
 pub struct SheetPages {
-    /// Names of the files.
     pub written: Vec<String>,
-    /// What a page lacks.
     pub lacking: Vec<String>,
 }
 

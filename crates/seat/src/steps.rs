@@ -51,13 +51,11 @@ pub enum Step {
     Language {
         /// Those among which they choose.
         languages: Vec<String>,
-        /// What they chose.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         chosen: Option<String>,
     },
     /// What the computer must have; the page judges, and no number leaves it.
     Computer {
-        /// All of it.
         needs: Vec<Need>,
     },
     /// Scales by which the page judges who takes part; no answer leaves it.
@@ -69,7 +67,6 @@ pub enum Step {
     },
     /// A text to read, to agree to where it says so.
     Text {
-        /// Heading.
         title: String,
         /// Paragraphs, divided by empty lines; `#` heads one, `-` begins a point.
         text: String,
@@ -81,7 +78,6 @@ pub enum Step {
     },
     /// One scale, on one page.
     Scale {
-        /// Its id.
         scale: String,
         /// Its heading, if it has one.
         title: Option<String>,
@@ -106,7 +102,6 @@ pub enum Step {
         seconds: f64,
         /// Time in the lane that is asked for, in s.
         lane_kept_s: f64,
-        /// Vehicles to be passed.
         passes: u32,
         /// Root of the world's random choices.
         seed: String,
@@ -121,7 +116,6 @@ pub enum Step {
         /// Of which session it is.
         #[serde(flatten)]
         occasion: Occasion,
-        /// How long, in s.
         seconds: f64,
         /// Root of the world's random choices.
         seed: String,
@@ -131,18 +125,15 @@ pub enum Step {
     },
     /// A drive by the automation, in one condition.
     Ride {
-        /// The condition's id.
         condition: ConditionId,
         /// Which ride of the condition it is.
         #[serde(flatten)]
         occasion: Occasion,
         /// Its number within its session, as the person is told.
         number: usize,
-        /// How long, in s.
         seconds: f64,
         /// Root of the world's random choices.
         seed: String,
-        /// Whose style.
         style: RideStyle,
         /// From where on the dial, in points of the study's style.
         points: f64,
@@ -157,7 +148,6 @@ pub enum Step {
     },
     /// A ride in a car that is not the seat's: somebody goes there, and comes back.
     Elsewhere {
-        /// The condition's id.
         condition: ConditionId,
         /// Which ride of the condition it is.
         #[serde(flatten)]
@@ -167,7 +157,6 @@ pub enum Step {
     },
     /// Between two sessions: nobody goes on before the day.
     Between {
-        /// The session that comes.
         session: NonZeroU32,
         /// Fewest and most days from the one before.
         days: [u32; 2],
@@ -180,7 +169,6 @@ pub enum Step {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         again: Option<AskedProbe>,
     },
-    /// The end.
     Thanks {
         /// As in [`Step::Text`].
         text: String,
@@ -192,7 +180,6 @@ pub enum Step {
 /// An item as a page shows it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
-    /// How it is answered.
     #[serde(flatten)]
     pub item: Item,
     /// Question and labels, in the language of the person.
@@ -211,14 +198,12 @@ pub struct Judged {
     pub item: usize,
     /// How the answer is held against the number.
     pub than: Than,
-    /// The number.
     pub value: i32,
 }
 
 /// A scale of one item that is asked again and again on the way.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AskedProbe {
-    /// Its id.
     pub scale: String,
     /// What stands above the question.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -241,7 +226,6 @@ pub struct StopRule {
     pub rule: String,
     /// How the answer is held against the number.
     pub than: Than,
-    /// The number.
     pub value: i32,
 }
 
@@ -420,7 +404,6 @@ impl Step {
 /// The texts that a protocol names, as they were read.
 #[derive(Debug, Clone, Default)]
 pub struct Texts {
-    /// What is agreed to.
     pub consent: Option<String>,
     /// What somebody is told who stopped.
     pub aftercare: Option<String>,

@@ -10,7 +10,6 @@ use std::{
     time::Duration,
 };
 
-/// Version of the tables.
 const VERSION: i64 = 4;
 
 /// How the file is kept: what is deleted is overwritten.
@@ -20,7 +19,6 @@ PRAGMA synchronous = NORMAL;
 PRAGMA secure_delete = ON;
 ";
 
-/// What the tables are.
 const TABLES: &str = "
 CREATE TABLE IF NOT EXISTS person (
     token TEXT PRIMARY KEY, participant TEXT NOT NULL UNIQUE, steps TEXT NOT NULL, at INTEGER NOT NULL DEFAULT 0,
@@ -58,7 +56,6 @@ const LOOKED_EVERY: Duration = Duration::from_millis(50);
 /// Questions that are kept ready.
 const READY: usize = 64;
 
-/// The file.
 pub(crate) struct Store {
     path: PathBuf,
     connection: Mutex<Connection>,

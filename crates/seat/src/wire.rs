@@ -10,7 +10,6 @@ pub enum Wire {
     Here,
     /// A proxy in front encrypts it, and answers for names.
     BehindProxy,
-    /// The server encrypts it.
     #[cfg(feature = "tls")]
     Tls(tls::Identity),
 }

@@ -39,7 +39,6 @@ impl Withdrawal {
     }
 }
 
-/// Today in Greenwich.
 pub(crate) fn today() -> NaiveDate {
     let now = DateTime::from_timestamp(now(), 0).unwrap_or_default();
     now.date_naive()

@@ -162,7 +162,6 @@ impl Words {
         })
     }
 
-    /// A sentence without parts.
     pub(crate) fn sentence(&self, name: &str) -> &str {
         self.sentences.get(name).map_or("", String::as_str)
     }

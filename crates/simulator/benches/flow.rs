@@ -40,13 +40,11 @@ fn run(bencher: Bencher<'_, '_>, lanes: u8, vehicles: usize, mobil: Option<Mobil
         .bench_local_refs(|flow| (0..steps).for_each(|_| flow.step()));
 }
 
-/// Following only.
 #[divan::bench(name = "flow/one_lane", args = [10, 100, 1000, 10_000], sample_count = 20)]
 fn one_lane(bencher: Bencher<'_, '_>, vehicles: usize) {
     run(bencher, 1, vehicles, None);
 }
 
-/// Following and lane changes.
 #[divan::bench(name = "flow/three_lanes", args = [10, 100, 1000, 10_000], sample_count = 20)]
 fn three_lanes(bencher: Bencher<'_, '_>, vehicles: usize) {
     run(bencher, 3, vehicles, Some(Mobil::default()));

@@ -36,7 +36,6 @@ const PAPER: &str = maveric_data::DESIGNS_PAPER;
 pub struct DesignFile {
     /// The file; none for the paper's that is built in.
     pub path: Option<PathBuf>,
-    /// What it says.
     pub design: Design,
 }
 

@@ -17,55 +17,41 @@ pub enum StudyError {
     Io {
         /// `read`, `write`, …
         action: &'static str,
-        /// The file.
         path: PathBuf,
-        /// What the system said.
         source: std::io::Error,
     },
     /// A table that cannot be parsed.
     #[error("{}: not a readable {format} table: {problem}", path.to_slash_lossy())]
     BadTable {
-        /// The file.
         path: PathBuf,
-        /// CSV or Parquet.
         format: &'static str,
-        /// What the parser said.
         problem: String,
     },
     /// A table without the column asked for.
     #[error("{}: no column `{wanted}`; columns are {}", path.to_slash_lossy(), found.join(", "))]
     NoColumn {
-        /// The file.
         path: PathBuf,
-        /// The column asked for.
         wanted: String,
-        /// The columns there are.
         found: Vec<String>,
-        /// The nearest of them.
         nearest: Option<String>,
     },
     /// A cell that does not hold what its column should.
     #[error("{}: row {row}, column `{column}`: found `{found}`, expected {expected}", path.to_slash_lossy())]
     BadCell {
-        /// The file.
         path: PathBuf,
         /// Data row, from 1 (the header is not counted).
         row: usize,
         /// Its name in the header.
         column: String,
-        /// What is there.
         found: String,
-        /// What should be.
         expected: String,
     },
     /// A file that holds something else than it should.
     #[error("{}: {problem}", path.to_slash_lossy())]
     BadFile {
-        /// The file.
         path: PathBuf,
         /// What was found and what was expected.
         problem: String,
-        /// What to do.
         help: Option<String>,
     },
     /// A request that cannot be met with these data.
@@ -73,10 +59,8 @@ pub enum StudyError {
     NotPossible {
         /// What was found and what was expected.
         problem: String,
-        /// What to do.
         help: Option<String>,
     },
-    /// The work was interrupted.
     #[error("interrupted")]
     Interrupted,
     /// A file that could not be put in its place.

@@ -48,7 +48,6 @@ impl ForgottenList {
         self.models.contains_key(id)
     }
 
-    /// Their ids, in order.
     pub fn ids(&self) -> impl Iterator<Item = &ParticipantId> {
         self.models.keys()
     }

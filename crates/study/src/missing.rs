@@ -22,7 +22,6 @@ const MOST_LINES: usize = 60;
 /// What is missing of a person at a time: a row of `missing.csv`. What is there, or is not awaited, is `None`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MissingRow {
-    /// Of whom.
     pub participant: ParticipantId,
     /// Before the drives, or after the baseline or a condition.
     pub moment: Moment,
@@ -46,7 +45,6 @@ impl MissingRow {
 /// Of how many people each kind is there at a time, and of how many it is awaited.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Counted {
-    /// The time.
     pub moment: Moment,
     /// There and awaited, in the order of [`KINDS`].
     pub kinds: [(usize, usize); 4],

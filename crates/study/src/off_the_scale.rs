@@ -7,9 +7,7 @@ use serde::Serialize;
 /// A drive that a model reads as a score that its scale does not have.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OffTheScale {
-    /// Its id.
     pub drive: DriveId,
-    /// Whose it is.
     pub participant: ParticipantId,
     /// Whether the person's own score was read too.
     pub adb_used: bool,

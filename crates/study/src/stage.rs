@@ -11,11 +11,9 @@ use std::path::{Path, PathBuf};
 
 /// A command of the program: its fields are its arguments, with their help and defaults.
 pub trait Stage: clap::Args {
-    /// The command's name.
     const NAME: &'static str;
     /// What is said before the reason when it fails.
     const FAILURE: &'static str;
-    /// What it computes.
     type Result: serde::Serialize;
 
     /// What it reads and what it writes, run in the folder `root`: paths as it would be given them there.
@@ -62,7 +60,6 @@ pub struct Files {
 }
 
 impl Files {
-    /// With these inputs.
     #[must_use]
     pub fn reads(mut self, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
         self.inputs
@@ -113,7 +110,6 @@ impl Files {
         self.reads_if_there(study.filter(asks).map(scales))
     }
 
-    /// With these outputs.
     #[must_use]
     pub fn writes(mut self, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
         self.outputs

@@ -44,7 +44,6 @@ pub fn style_range(study: &DesignFile) -> Result<Option<ScoreRange>, StudyError>
 pub(crate) struct StyleScores {
     /// The ends of its scale; none where no study says them: what people scored is then the ADB's.
     pub(crate) range: Option<ScoreRange>,
-    /// Of the style alone.
     pub(crate) rows: Vec<Score>,
 }
 

@@ -16,7 +16,6 @@ use std::path::Path;
 /// A drive to watch and whose it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WatchedDrive {
-    /// Whose drive it is.
     pub meta: DriveMeta,
     /// What the player shows of it.
     pub drive: PlayerDrive,

@@ -40,7 +40,6 @@ fn around(k: usize) -> (Option<usize>, Option<usize>) {
     ((k * EACH).checked_sub(1), (after < ALL).then_some(after))
 }
 
-/// Behind the last message.
 const END: (Option<usize>, Option<usize>) = (Some(ALL - 1), None);
 
 #[test]

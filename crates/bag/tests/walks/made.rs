@@ -167,7 +167,6 @@ pub(crate) const RECOVER: Walk = Walk {
     hash: false,
 };
 
-/// Walks over damage.
 pub(crate) fn recovered(bytes: &[u8]) -> (Notes, Walked) {
     let mut notes = Notes::default();
     let walked = walk_from(Path::new("-"), Cursor::new(bytes), RECOVER, &mut notes).unwrap();

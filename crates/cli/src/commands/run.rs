@@ -146,7 +146,6 @@ fn shown(pipeline: &Pipeline) -> Vec<String> {
 struct UpToDate(String);
 
 impl UpToDate {
-    /// Most bytes that wait.
     const MOST: usize = 1 << 16;
 
     fn say(&mut self, event: &Event<'_>) {

@@ -11,7 +11,6 @@ use maveric_ingest::{Ingested, WarningKind};
 use mcap::WriteOptions;
 use std::{collections::BTreeSet, fmt::Write as _};
 
-/// A minute, in ns.
 const MINUTE: u64 = 60_000_000_000;
 const SECOND: u64 = 1_000_000_000;
 

@@ -110,7 +110,6 @@ pub(super) fn cdr() -> Bytes {
     }
 }
 
-/// x, y and heading.
 pub(super) type Place = (f64, f64, f64);
 
 pub(super) struct Rig {

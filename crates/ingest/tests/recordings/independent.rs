@@ -30,7 +30,6 @@ pub(crate) fn tests() -> Vec<Trial> {
     tests
 }
 
-/// Feet to metres.
 const FOOT: f64 = 0.3048;
 
 struct Plain {

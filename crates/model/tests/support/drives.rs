@@ -27,7 +27,6 @@ const PATIENCE_S: f64 = 15.0;
 const PASS_SHARE: f64 = 0.7;
 /// Merging back needs this share of the usual time gap behind.
 const MERGE_SHARE: f64 = 0.8;
-/// Rows a second.
 pub(crate) const RATE_HZ: f64 = 10.0;
 
 fn lane_step(share: f64) -> f64 {

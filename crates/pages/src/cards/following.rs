@@ -12,7 +12,6 @@ use minijinja::{Value, context};
 /// What the cards are made from.
 #[derive(Debug, Clone)]
 pub struct Following<'a> {
-    /// The evaluation.
     pub found: &'a FollowingEvaluation,
     /// Each way of knowing the driver beside the same for everybody.
     pub personal: Vec<&'a Compared>,

@@ -14,9 +14,7 @@ use minijinja::{Value, context};
 pub struct InTurn<'a> {
     /// Orders, those that a verdict rests on.
     pub orders: Vec<(&'a str, &'a Order)>,
-    /// Whose drives they are.
     pub identity: Vec<(&'a str, &'a [Whose])>,
-    /// Where the dial points.
     pub directions: Vec<(&'a str, &'a Direction)>,
     /// What a role is called.
     pub label: &'a dyn Fn(ConditionId) -> String,

@@ -24,9 +24,7 @@ pub struct Validation<'a> {
     pub dial: &'a [Dial],
     /// How the first model's readings go with the score.
     pub line: &'a [Agreement],
-    /// Drivers who drove twice.
     pub drivers: usize,
-    /// Collisions over all drives.
     pub collisions: u32,
     /// Moments nearer than the safety rule allows.
     pub near: u32,

@@ -12,7 +12,6 @@ use maveric_report::{
 };
 use std::io::Cursor;
 
-/// Half points.
 const TEXT: usize = 22;
 const SMALL: usize = 16;
 /// Twentieths of a point below a paragraph.

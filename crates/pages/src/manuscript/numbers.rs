@@ -11,7 +11,6 @@ use std::{collections::BTreeMap, fmt::Write as _};
 pub(crate) struct Named {
     /// Letters alone: the macro without its backslash.
     name: String,
-    /// In full precision.
     value: Option<f64>,
     /// As the page shows it, with marks.
     shown: String,
@@ -112,7 +111,6 @@ pub(crate) fn numbers<'a>(cards: &[Card], tables: impl Iterator<Item = &'a Table
     named
 }
 
-/// A macro a number.
 pub(crate) fn tex(named: &[Named]) -> String {
     let mut out = String::from(
         "% Every number of the page, as a macro named by ids; made anew with the page.\n",

@@ -37,11 +37,8 @@ pub struct ItemInCondition {
     pub words: String,
     /// Whether the other test leaves it out.
     pub is_dropped: bool,
-    /// After which condition.
     pub condition: ConditionId,
-    /// People who answered.
     pub n: usize,
-    /// Mean answer, not reversed.
     pub mean: f64,
     /// Its standard deviation over people.
     pub sd: Option<f64>,

@@ -17,7 +17,6 @@ use maveric_report::{
 use maveric_stats::{Bend, RatioTest, Region};
 use minijinja::{Value, context};
 
-/// Pieces of a curve.
 const STEPS: u32 = 40;
 
 /// A tested ratio as its columns show it: the ends are those of the region or of what it leaves out.

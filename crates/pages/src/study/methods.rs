@@ -205,7 +205,6 @@ mod tests {
         of_tests_beside(used, primary, &[])
     }
 
-    /// The same beside covariates.
     fn of_tests_beside(used: &Value, primary: &[Value], covariates: &[&str]) -> String {
         let none = context! {
             factorial => false, simple => false, groups => false, games_howell => false, dunn => false, mixed => false, by_level => false, ordinal => false, ordinal_of_groups => false,

@@ -28,13 +28,10 @@ pub struct Reliability {
     pub items: usize,
     /// Answer sheets without a missing item.
     pub n: usize,
-    /// Cronbach's alpha.
     pub alpha: Option<f64>,
     /// Lower end of its 95 % interval.
     pub ci_low: Option<f64>,
-    /// Upper end.
     pub ci_high: Option<f64>,
-    /// McDonald's omega.
     pub omega: Option<f64>,
 }
 
@@ -43,13 +40,11 @@ pub struct Reliability {
 pub struct ParticipantGroup {
     /// Such as `Tested, internal`.
     pub group: String,
-    /// How many.
     pub n: usize,
     /// Drives that were recorded: by hand, or of a car of the study’s own.
     pub drives: usize,
     /// Drives of the car that are analysed.
     pub driven: usize,
-    /// Mean age in years.
     pub mean_age: Option<f64>,
     /// Standard deviation of the age.
     pub sd_age: Option<f64>,
@@ -59,7 +54,6 @@ pub struct ParticipantGroup {
     pub other_genders: Vec<(String, usize)>,
     /// Mean score of what the dial turns, in points.
     pub mean_score: Option<f64>,
-    /// Its standard deviation.
     pub sd_score: Option<f64>,
 }
 

@@ -34,7 +34,6 @@ pub(super) struct Tested {
 /// The numbers of a test.
 #[derive(Debug, Default, Serialize)]
 struct Numbers {
-    /// What the statistic is.
     test: Option<&'static str>,
     statistic: Option<f64>,
     df1: Option<f64>,

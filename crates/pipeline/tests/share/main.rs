@@ -106,6 +106,5 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// Counted by hand, too.
 const TABLE: &str =
     "book,year,words\npride,1813,a of the\nmoby,1851,the and i\ncities,1859,it of the\n";

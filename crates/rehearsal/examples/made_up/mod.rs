@@ -12,7 +12,6 @@ use maveric_participants::{Cohort, CohortSettings, Effects, PlannedDrive, answer
 use maveric_simulator::{Driver, People, Scenario, rollout};
 use std::{error::Error, thread};
 
-/// What goes wrong here.
 pub(crate) type Wrong = Box<dyn Error + Send + Sync>;
 
 /// `learn` people who are learned from and `test` who are tested.

@@ -17,7 +17,6 @@ pub type Change = [Option<f64>; AXES];
 /// One person's own change, and what the car does.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pointed {
-    /// Who.
     pub participant: ParticipantId,
     /// Their own drive in the higher role less that in the lower.
     pub own: Change,
@@ -32,7 +31,6 @@ pub struct Pointed {
 /// How far the dial points where people themselves go.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Direction {
-    /// People with a cosine.
     pub n: usize,
     /// Mean cosine of the car's change as it was driven; none without people.
     pub driven: Option<f64>,
@@ -44,7 +42,6 @@ pub struct Direction {
     pub speed_and_gap: Option<f64>,
     /// Directions drawn, one for all people, as far as the dial turns.
     pub directions: usize,
-    /// Their mean cosine.
     pub drawn: Option<f64>,
     /// (1 + directions whose mean cosine is at least the dial's) / (1 + directions).
     pub p: Option<f64>,
@@ -57,9 +54,7 @@ pub struct Direction {
 /// How one person's own change and the car's lie to each other.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PersonDirection {
-    /// Who.
     pub participant: ParticipantId,
-    /// Their own change.
     pub own: Change,
     /// The car's, as it was driven.
     pub dial: Change,

@@ -8,7 +8,6 @@ use serde::Serialize;
 /// How many coordinates lie within so many standard errors; of so few people there is no verdict.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ErrorShare {
-    /// Pairs of drives.
     pub pairs: usize,
     /// Coordinates over them; one of which the second drive says nothing is not counted.
     pub coordinates: usize,
@@ -16,7 +15,6 @@ pub struct ErrorShare {
     pub within_1: usize,
     /// Within two; 95.4 % are expected.
     pub within_2: usize,
-    /// Whoever cannot be counted.
     pub uncounted: Vec<Uncounted>,
 }
 

@@ -15,7 +15,6 @@ pub struct Whose {
     pub sought: ConditionId,
     /// By what: the style, speed alone, time gap alone.
     pub by: By,
-    /// Drivers looked for.
     pub n: usize,
     /// Drivers among whom each is looked for, on average.
     pub candidates: f64,
@@ -25,7 +24,6 @@ pub struct Whose {
     pub hits: usize,
     /// Their share, with Clopper and Pearson's interval; none without drivers.
     pub share: Option<Proportion>,
-    /// Whoever cannot be counted.
     pub uncounted: Vec<Uncounted>,
 }
 

@@ -49,13 +49,10 @@ impl By {
 /// A mean over people, with its 95 % interval by Student's t.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Mean {
-    /// People.
     pub n: usize,
-    /// Mean of their values.
     pub mean: f64,
     /// Lower end; none for one person, and where everybody has the same.
     pub low: Option<f64>,
-    /// Upper end.
     pub high: Option<f64>,
     /// Mean over the SD of the differences.
     pub dz: Option<f64>,
@@ -64,7 +61,6 @@ pub struct Mean {
 /// How one way of placing drives did.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReadOrder {
-    /// By what.
     pub by: By,
     /// People with all the drives that are asked for.
     pub n: usize,
@@ -82,10 +78,8 @@ pub struct ReadOrder {
     pub beyond_speed: Option<Mean>,
 }
 
-/// One person's drives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PersonOrder {
-    /// Who.
     pub participant: ParticipantId,
     /// Whether the higher drive is above all the others on the line.
     pub right: Option<bool>,
@@ -109,17 +103,14 @@ impl PersonOrder {
 /// What became of an order that was asked for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Order {
-    /// What was asked.
     pub asked: Asked,
     /// Share of people that chance would give.
     pub chance: f64,
     /// By the line, by speed, by time gap.
     pub readings: Vec<ReadOrder>,
-    /// Person by person.
     pub people: Vec<PersonOrder>,
     /// How often roles were exchanged.
     pub permutations: usize,
-    /// Whoever cannot be counted.
     pub uncounted: Vec<Uncounted>,
 }
 

@@ -9,13 +9,10 @@ use serde::Serialize;
 /// What two drives of a person are compared in.
 #[derive(Debug, Clone)]
 pub struct Repeated<'a> {
-    /// Code name.
     pub name: &'a str,
-    /// For people.
     pub title: &'a str,
     /// Its unit; empty for a number without one.
     pub unit: &'a str,
-    /// Of each drive.
     pub values: Vec<Option<f64>>,
 }
 
@@ -26,7 +23,6 @@ pub struct Retest {
     pub role: ConditionId,
     /// Code name of the measure.
     pub measure: String,
-    /// For people.
     pub title: String,
     /// Its unit; empty for a number without one.
     pub unit: String,

@@ -9,7 +9,6 @@ use serde::Serialize;
 /// One person's two drives, as the model reads them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShippedPerson {
-    /// Who.
     pub participant: ParticipantId,
     /// On its line, the drive in the higher role less the ordinary one; none where one of them shows nothing.
     pub line: Option<f64>,
@@ -64,9 +63,7 @@ pub struct Shipped {
     pub wrong_and_sure: Vec<ParticipantId>,
     /// People whom the model learned from.
     pub people_learned_from: usize,
-    /// Person by person.
     pub people: Vec<ShippedPerson>,
-    /// Whoever cannot be counted.
     pub uncounted: Vec<Uncounted>,
 }
 

@@ -15,7 +15,6 @@ use std::collections::BTreeMap;
 /// The measures of a person's own drive and of drives of the car.
 #[derive(Debug, Clone)]
 pub struct Drives {
-    /// By hand.
     pub own: MeasureValues,
     /// By the car, in the order asked for.
     pub trials: Vec<MeasureValues>,
@@ -28,11 +27,9 @@ pub enum CarSetting<'a> {
     Shift(f64),
     /// A move to this angle round the ellipse.
     Round(f64),
-    /// The average style.
     Mean,
     /// Somebody else's style, as their own car drives it.
     Lent {
-        /// Whose.
         donor: &'a Participant,
         /// How far it is moved along the dial, as of [`CarSetting::Shift`].
         shift: f64,

@@ -5,14 +5,10 @@ use crate::error::RehearsalError;
 use maveric_stats::{StatsError, circular_linear};
 use serde::Serialize;
 
-/// One habit, moved across.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Across {
-    /// Code name.
     pub measure: &'static str,
-    /// Name for people.
     pub title: &'static str,
-    /// Drivers.
     pub n: usize,
     /// Mean of |across − own style|.
     pub mean_change: Option<f64>,

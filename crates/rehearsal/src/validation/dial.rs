@@ -32,15 +32,12 @@ pub struct Right {
 /// One measure over the dial.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Dial {
-    /// Code name.
     pub measure: &'static str,
-    /// Name for people.
     pub title: &'static str,
     /// Unit of `curve` and `drivers`, as measured.
     pub unit: &'static str,
     /// At plus the points of the conditions.
     pub aggressive: Right,
-    /// At minus that.
     pub cautious: Right,
     /// Mean over drivers of Kendall's τ-b of setting and measure, signed so that 1 is a perfect dial.
     pub mean_tau: Option<f64>,

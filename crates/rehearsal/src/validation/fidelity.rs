@@ -13,9 +13,7 @@ const PAPER: [f64; 5] = [0.936, 0.802, 0.924, 0.810, 0.818];
 /// One measure: accuracies (1 − |found − own| / own, mean over drivers) and signed errors relative to own.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Fidelity {
-    /// Code name.
     pub measure: &'static str,
-    /// Name for people.
     pub title: &'static str,
     /// Drivers with a value in their own and in the car's drive.
     pub n: usize,

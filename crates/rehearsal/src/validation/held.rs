@@ -9,7 +9,6 @@ use serde::Serialize;
 /// A share with its interval over people.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ShareOfPeople {
-    /// The share.
     pub estimate: f64,
     /// 95 % of the shares of people drawn with replacement; none for fewer than two.
     pub interval: Option<(f64, f64)>,

@@ -8,7 +8,6 @@ use serde::Serialize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Metric {
-    /// Straight-line distance.
     Euclidean,
     /// Mahalanobis distance by the covariance of one person's two days, over the training people.
     WithinPerson,
@@ -19,11 +18,8 @@ pub enum Metric {
 /// How well drivers are found again among `n`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Identification {
-    /// What was compared.
     pub what: &'static str,
-    /// By which distance.
     pub metric: Metric,
-    /// Drivers.
     pub n: usize,
     /// Drivers whose own point is the nearest.
     pub hits: usize,
@@ -31,7 +27,6 @@ pub struct Identification {
     pub rate: f64,
     /// Lower end of Wilson's 95 % interval.
     pub low: f64,
-    /// Upper end.
     pub high: f64,
     /// Mean place of the own point among all, 1 being the nearest; by chance (n + 1) / 2.
     pub mean_rank: f64,

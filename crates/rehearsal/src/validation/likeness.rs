@@ -14,9 +14,7 @@ const DIFFERENT: f64 = 0.05;
 /// One kind of drive beside the owner's first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Likeness {
-    /// Which.
     pub what: &'static str,
-    /// Owners compared.
     pub n: usize,
     /// Mean squared maximum mean discrepancy.
     pub mmd2: Option<f64>,
@@ -36,9 +34,7 @@ pub struct Likeness {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Looking {
-    /// At one alone.
     Alone,
-    /// At all but one.
     Without,
 }
 
@@ -47,7 +43,6 @@ pub enum Looking {
 pub struct ByColumn {
     /// The column that is looked at alone, or left out.
     pub column: &'static str,
-    /// Which of the two.
     pub looking: Looking,
     /// The second drive of the owner.
     pub again: Likeness,
@@ -59,7 +54,6 @@ pub struct ByColumn {
 
 /// The windows of what is compared, each in the same order of people.
 pub struct Driven {
-    /// Own first drives.
     pub own: Vec<Vec<Window>>,
     /// Own second drives: no likeness can be expected to be better.
     pub again: Vec<Vec<Window>>,

@@ -6,7 +6,6 @@ use maveric_stats::{CorrelationMethod, StatsError, correlate};
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-/// How aggressiveness is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(into = "&'static str")]
 pub enum Reading {
@@ -19,7 +18,6 @@ pub enum Reading {
 }
 
 impl Reading {
-    /// In words.
     pub fn title(self) -> &'static str {
         match self {
             Self::WithScore => "aggression line, fitted with ADB",
@@ -38,9 +36,7 @@ impl From<Reading> for &'static str {
 /// A reading of aggressiveness, and how it goes with the truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Agreement {
-    /// Which reading.
     pub reading: Reading,
-    /// Drivers.
     pub n: usize,
     /// Pearson's r with the ADB score.
     pub adb: Option<f64>,

@@ -39,12 +39,10 @@ pub const MEASURES: [&str; 7] = [
 /// A drive's [`MEASURES`]; `None` where it has no value.
 pub type Values = [Option<f64>; 7];
 
-/// Measures a drive.
 pub fn values(drive: &Drive) -> Values {
     MEASURES.map(|name| objective::find(name).and_then(|m| m.of(drive)))
 }
 
-/// Title of each measure.
 pub fn title(k: usize) -> &'static str {
     objective::find(MEASURES[k]).map_or(MEASURES[k], |m| m.title)
 }

@@ -8,9 +8,7 @@ use serde::Serialize;
 /// One measure of two drives of the same people.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Retest {
-    /// Code name.
     pub measure: &'static str,
-    /// Name for people.
     pub title: &'static str,
     /// Its unit; `1` for counts and shares.
     pub unit: &'static str,

@@ -115,7 +115,6 @@ fn the_figures_are_the_committed_ones() {
     assert!(differences.is_empty(), "{}", differences.join("\n"));
 }
 
-/// Width, height and RGB.
 pub(crate) fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png))
         .read_info()

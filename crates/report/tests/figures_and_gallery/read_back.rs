@@ -21,9 +21,7 @@ struct Panel {
     y: Vec<(String, f64)>,
     /// Middles of circles and polygons.
     marks: Vec<Point>,
-    /// Points of lines.
     lines: Vec<Point>,
-    /// Opposite corners of rectangles.
     corners: Vec<Point>,
 }
 

@@ -386,7 +386,6 @@ impl<'a> Sources<'a> {
 struct Logs {
     /// File names of those whose names say whose they are.
     named: BTreeMap<Cell, String>,
-    /// How many do not.
     unnamed: usize,
 }
 

@@ -39,10 +39,8 @@ pub struct Describe {
 
 const PATHS: [&str; 3] = ["codebook.csv", "codebook.md", "codebook_measures.csv"];
 
-/// What was described.
 #[derive(Debug, Clone, Serialize)]
 pub struct Codebook {
-    /// Questionnaires.
     pub scales: usize,
     /// Items of all of them together.
     pub items: usize,

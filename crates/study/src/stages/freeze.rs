@@ -28,7 +28,6 @@ pub const LOCK_FILE: &str = "study.lock";
 pub struct Frozen {
     /// The day, as `2026-11-22`.
     pub date: String,
-    /// Version of the program.
     pub version: String,
     /// BLAKE3 of the design's text.
     pub hash: String,
@@ -38,7 +37,6 @@ pub struct Frozen {
     pub answers: usize,
     /// Logs that were there already; none ought to be.
     pub logs: usize,
-    /// The design's text.
     pub design: String,
     /// BLAKE3 of every other file that decides a number, by its path from the study's folder.
     pub files: BTreeMap<String, String>,
@@ -129,7 +127,6 @@ pub fn freeze(design: Option<&Path>, date: &str) -> Result<Outcome<Frozen>, Stud
     Ok(Outcome::new(frozen, summary, warnings))
 }
 
-/// Files below a folder.
 fn count(folder: &Path) -> usize {
     let mut folders = vec![folder.to_owned()];
     let mut files = 0;

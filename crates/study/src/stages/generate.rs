@@ -70,16 +70,12 @@ pub struct Generate {
 /// Most people that one call makes up.
 const MOST_PEOPLE: usize = 100_000;
 
-/// What was made up.
 #[derive(Debug, Clone, Serialize)]
 pub struct Generated {
-    /// People.
     pub participants: usize,
     /// Drives of all of them together.
     pub drives: usize,
-    /// Answers before the drives.
     pub answers: usize,
-    /// Collisions over all drives.
     pub collisions: usize,
 }
 

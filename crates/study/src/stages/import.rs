@@ -83,11 +83,9 @@ fn software() -> impl TypedValueParser<Value = Software> {
         .map(move |word| by_id(word).unwrap_or(Software::Wide))
 }
 
-/// What was done.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 pub enum ImportResult {
-    /// Answers were imported.
     Imported(Imported),
     /// What its columns may mean.
     Suggested(SuggestedColumns),
@@ -96,7 +94,6 @@ pub enum ImportResult {
 /// A map of columns that was proposed for an export.
 #[derive(Debug, Clone, Serialize)]
 pub struct SuggestedColumns {
-    /// What wrote the export.
     pub software: Software,
     /// The map, TOML with its doubts as comments.
     pub columns: String,

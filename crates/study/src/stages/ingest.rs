@@ -68,9 +68,7 @@ pub struct Ingest {
 /// What became of the logs.
 #[derive(Debug, Clone, Serialize)]
 pub struct IngestedDrives {
-    /// The drives written.
     pub drives: Vec<DriveMeta>,
-    /// Rows over all drives.
     pub rows: usize,
     /// Drives that the design does not let in, each with the rule.
     pub left_out: Vec<LeftOutDrive>,
@@ -81,7 +79,6 @@ pub struct IngestedDrives {
 /// A log that could not be ingested.
 #[derive(Debug, Clone, Serialize)]
 pub struct FailedLog {
-    /// The log's file.
     pub log: PathBuf,
     /// The error, with what caused it.
     pub why: String,
@@ -90,9 +87,7 @@ pub struct FailedLog {
 /// A drive that the design does not let in.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LeftOutDrive {
-    /// The log's file.
     pub log: PathBuf,
-    /// Whose it is.
     pub meta: DriveMeta,
     /// How long it took, in s.
     pub duration_s: f64,
@@ -112,7 +107,6 @@ struct Written {
     begins_ns: Option<u64>,
     /// Whether any row has a lead vehicle.
     led: bool,
-    /// What its rig sees.
     sees: Sees,
     warnings: Vec<Warning>,
 }

@@ -19,7 +19,6 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use study_text::{DialledScore, Wanted, study_text};
 
-/// Folders that start empty.
 const FOLDERS: [&str; 2] = ["logs", "surveys"];
 
 /// Name and text of the files of every study, beside the questionnaires.
@@ -79,7 +78,6 @@ fn refused(error: DesignError) -> StudyError {
     }
 }
 
-/// Those of made-up people.
 const EFFECTS: (&str, &str) = ("effects.toml", maveric_data::EFFECTS);
 /// Those of the paper's study.
 const CLAIMS: (&str, &str) = ("claims.toml", maveric_data::CLAIMS);
@@ -122,7 +120,6 @@ pub struct Init {
     pub paper: bool,
 }
 
-/// What was made.
 #[derive(Debug, Clone, Serialize)]
 pub struct Initialised {
     /// Files written, below the folder.

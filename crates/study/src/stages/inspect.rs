@@ -68,7 +68,6 @@ pub struct Inspect {
 /// A mapping that was proposed for a table.
 #[derive(Debug, Clone, Serialize)]
 pub struct SuggestedMapping {
-    /// The table.
     pub path: PathBuf,
     /// The mapping, TOML with its doubts as comments.
     pub mapping: String,
@@ -107,52 +106,37 @@ fn suggest(path: &Path, into: Option<&Path>) -> Result<Outcome<Looked>, StudyErr
     Ok(Outcome::new(value, summary, Vec::new()))
 }
 
-/// What was found.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
 pub enum Looked {
-    /// In each file.
     Files(InspectedFiles),
     /// Of a table: what its columns may mean.
     Mapping(SuggestedMapping),
 }
 
-/// What one file holds.
 #[derive(Debug, Clone, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Inspected {
-    /// A raw log.
     Log(Box<LogSummary>),
     /// A drive that was ingested.
     Drive {
-        /// Whose it is.
         meta: DriveMeta,
-        /// Samples a second.
         rate_hz: f64,
-        /// Number of samples.
         rows: usize,
-        /// Length, in s.
         duration_s: f64,
-        /// Stretches without a hole.
         segments: usize,
         /// Rows with a reference vehicle.
         lead_rows: usize,
         /// Rows in which ego follows its reference vehicle.
         following_rows: usize,
-        /// Lane changes, completed ones.
         lane_changes: usize,
-        /// What its rig sees.
         sees: Sees,
         /// What it was made from, by key.
         provenance: BTreeMap<String, String>,
     },
-    /// A trained model.
     Model {
-        /// Which heads it has.
         heads: HeadsKind,
-        /// Numbers of one embedding.
         embedding_size: usize,
-        /// Numbers that were learned.
         parameters: usize,
         /// Drives that it learned from.
         drives: usize,
@@ -166,16 +150,13 @@ pub enum Inspected {
 /// What the files hold, in their order.
 #[derive(Debug, Clone, Serialize)]
 pub struct InspectedFiles {
-    /// One entry a file.
     pub files: Vec<InspectedFile>,
 }
 
 /// What one file holds, with its path.
 #[derive(Debug, Clone, Serialize)]
 pub struct InspectedFile {
-    /// The file.
     pub path: PathBuf,
-    /// What is in it.
     #[serde(flatten)]
     pub content: Inspected,
 }

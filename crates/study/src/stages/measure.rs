@@ -47,10 +47,8 @@ pub struct Measure {
     pub out: PathBuf,
 }
 
-/// What was measured.
 #[derive(Debug, Clone, Serialize)]
 pub struct Measured {
-    /// Number of drives.
     pub drives: usize,
     /// The measures: code names, in order.
     pub measures: Vec<&'static str>,

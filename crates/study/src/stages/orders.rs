@@ -40,7 +40,6 @@ pub struct Orders {
     pub out: Option<PathBuf>,
 }
 
-/// Orders that were written.
 #[derive(Debug, Clone, Serialize)]
 pub struct OrdersWritten {
     /// The table of people that was written.
@@ -268,7 +267,6 @@ mod tests {
         [[condition]]\nid = \"b\"\nlevels = { pace = \"fast\", road = \"wet\" }\n[[condition]]\nid = \"c\"\nlevels = { pace = \"slow\", road = \"dry\" }\n\
         [[condition]]\nid = \"d\"\nlevels = { pace = \"fast\", road = \"dry\" }\n[[factor]]\ncolumn = \"city\"\n";
 
-    /// A study's folder.
     struct Folder(tempfile::TempDir);
 
     impl Folder {

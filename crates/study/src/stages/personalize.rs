@@ -68,7 +68,6 @@ pub struct Personalize {
     pub jobs: usize,
 }
 
-/// What was fitted.
 #[derive(Debug, Clone, Serialize)]
 pub struct PersonalizedDrives {
     /// Drives whose style was fitted.
@@ -87,7 +86,6 @@ pub struct PersonalizedDrives {
     pub off_the_scale: Vec<OffTheScale>,
     /// Drives beyond what the model has learned from: those, and drives that the people learned from do not explain.
     pub beyond: usize,
-    /// People learned from.
     pub people_learned_from: usize,
     /// One row for each of these drives.
     pub embeddings: Vec<EmbeddingRow>,

@@ -65,12 +65,9 @@ pub struct Rate {
     pub seed: u64,
 }
 
-/// What was rated.
 #[derive(Debug, Clone, Serialize)]
 pub struct Ratings {
-    /// Participants who rated.
     pub participants: usize,
-    /// Answers that they gave.
     pub answers: usize,
     /// What they pressed on the rides; none where the effects do not say when.
     pub presses: Option<usize>,
@@ -193,7 +190,6 @@ impl Stage for Rate {
     }
 }
 
-/// What was answered.
 #[derive(Default)]
 struct Sheets {
     answers: Vec<Answer>,

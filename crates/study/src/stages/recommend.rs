@@ -33,10 +33,8 @@ pub struct Recommend {
     pub out: Option<PathBuf>,
 }
 
-/// What was recommended.
 #[derive(Debug, Clone, Serialize)]
 pub struct Recommended {
-    /// People of the study.
     pub participants: usize,
     /// A recommendation each; every person's model was learned from the others.
     pub recommendations: Vec<Recommendation>,
@@ -141,14 +139,11 @@ fn unknown(name: &str, data: &StudyData) -> StudyError {
 /// Reasons that a line names.
 const SHOWN: usize = 5;
 
-/// How points are said.
 #[derive(Debug, Clone, Copy)]
 struct Points {
-    /// Whose they are.
     unit: &'static str,
     /// What counts as near: 5 ADB points, or as large a share of another scale.
     near: f64,
-    /// Decimals of a point.
     further: usize,
 }
 

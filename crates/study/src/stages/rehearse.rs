@@ -79,7 +79,6 @@ pub struct Rehearse {
     pub command: Option<String>,
 }
 
-/// What was found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Rehearsal {
     /// The people are made up.

@@ -54,7 +54,6 @@ impl DrawReport {
     }
 }
 
-/// What was written.
 #[derive(Debug, Clone, Serialize)]
 pub struct Reported {
     /// Path of the page, index.html.

@@ -109,14 +109,10 @@ pub struct ItemReliability {
     pub ceiling: usize,
 }
 
-/// What was scored.
 #[derive(Debug, Clone, Serialize)]
 pub struct ScoredSurveys {
-    /// Number of scores.
     pub scores: usize,
-    /// Scores that are missing.
     pub missing: usize,
-    /// Reliability of each subscale.
     pub reliabilities: Vec<Reliability>,
 }
 

@@ -80,12 +80,10 @@ pub struct Simulate {
     pub jobs: usize,
 }
 
-/// What was driven.
 #[derive(Debug, Clone, Serialize)]
 pub struct Simulated {
     /// Drives that came to their end.
     pub drives: usize,
-    /// Collisions over all drives.
     pub collisions: usize,
     /// Violations of the safety rule over all drives.
     pub rule_violations: usize,

@@ -80,7 +80,6 @@ pub struct Steer {
     pub seed: u64,
 }
 
-/// Where the conditions lie.
 #[derive(Debug, Clone, Serialize)]
 pub struct Steered {
     /// People with an own drive to steer from.

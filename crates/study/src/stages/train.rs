@@ -87,17 +87,13 @@ pub struct Train {
 /// How the training went, as it is written beside the model.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TrainingSummary {
-    /// Drives learned from.
     pub drives: usize,
     /// Of them with a score of the style.
     pub drives_with_adb: usize,
-    /// Numbers that were learned.
     pub parameters: usize,
     /// Drives and losses left out, and why.
     pub warnings: Vec<String>,
-    /// Seed of the training.
     pub seed: u64,
-    /// Settings of the training.
     pub settings: TrainSettings,
     /// The linear heads: what each learned from, and how well it does on driving kept back.
     pub heads: Vec<HeadReport>,

@@ -103,7 +103,6 @@ pub enum Checked {
     InTurn(leave_out::InTurn),
 }
 
-/// What was found.
 #[derive(Debug, Clone, Serialize)]
 pub struct Validated {
     /// Whether the drivers are made up.

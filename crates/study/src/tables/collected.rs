@@ -104,10 +104,8 @@ pub fn read_lent(path: &Path) -> Result<Vec<LentRow>, StudyError> {
     Ok(ridden.into_iter().zip(table.records()?).map(row).collect())
 }
 
-/// Whom a platform pays.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PaymentRow {
-    /// Who.
     pub participant: ParticipantId,
     /// Their id on the platform.
     pub platform_id: String,

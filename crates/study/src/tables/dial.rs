@@ -7,7 +7,6 @@ use maveric_domain::ParticipantId;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// How the files end.
 pub const ENDING: &str = ".dial.csv";
 
 /// One turn of the dial: a row of such a file.

@@ -57,7 +57,6 @@ pub struct FileEntry {
     pub name: Option<TableName>,
     /// Names that it has, with the folders that tell it from others; `*` stands for anything.
     pub files: Vec<String>,
-    /// What it is.
     pub about: String,
     /// The commands that write it.
     pub by: Vec<String>,
@@ -79,7 +78,6 @@ pub struct FileEntry {
 pub struct ColumnEntry {
     /// Its name; what `*` stands for differs from table to table.
     pub name: String,
-    /// What a cell says.
     #[serde(default)]
     pub means: String,
     /// The unit of its numbers.

@@ -107,7 +107,6 @@ pub(crate) fn read_of_rides(
     }))
 }
 
-/// Reads the means back.
 pub(crate) fn read_own_measurements(path: &Path) -> Result<Vec<OwnMeasurement>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["participant", "condition", "measure"])?;
@@ -132,7 +131,6 @@ fn refuse_ours(study: &DesignFile) -> Result<(), StudyError> {
     Err(study.wrong(error.to_string(), None))
 }
 
-/// Whose each row is.
 fn known_people(
     study: &DesignFile,
     participants: Option<&Path>,

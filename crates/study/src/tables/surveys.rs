@@ -153,7 +153,6 @@ fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
 /// The answers of a table, each with its row: those to probes, and all others.
 #[derive(Debug, Default)]
 pub struct Answered {
-    /// Those of questionnaires.
     pub answers: Vec<Answer>,
     /// Those to probes, with the time of each.
     pub probes: Vec<ProbeAnswer>,

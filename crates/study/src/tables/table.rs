@@ -103,7 +103,6 @@ impl Table {
         })
     }
 
-    /// Number of data rows.
     pub fn rows(&self) -> usize {
         self.frame.height()
     }

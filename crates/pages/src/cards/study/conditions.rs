@@ -16,7 +16,6 @@ use maveric_stats::{Adjustment, proportion};
 use minijinja::context;
 use std::collections::BTreeSet;
 
-/// The panels of everybody.
 fn whole<'a>(study: &Study<'a>) -> impl Iterator<Item = &'a Panel> {
     let panels = study.analysis.panels.iter();
     panels.filter(|panel| panel.group.is_none())

@@ -9,7 +9,6 @@ use maveric_domain::{ConditionId, ConditionRow, Design};
 pub struct Study<'a> {
     /// Conditions, outcomes and scales, as `study.toml` declares them.
     pub design: &'a Design,
-    /// Its results.
     pub analysis: &'a Analysis,
     /// Where each condition lay for each participant.
     pub conditions: &'a [ConditionRow],

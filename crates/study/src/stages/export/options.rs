@@ -53,12 +53,10 @@ pub enum DriveTables {
     Parquet,
 }
 
-/// What was written.
 #[derive(Debug, Clone, Serialize)]
 pub struct Exported {
     /// People in it, each under a pseudonym.
     pub participants: usize,
-    /// Drives, each a log.
     pub drives: usize,
     /// Answers to items, those asked for during drives among them.
     pub answers: usize,

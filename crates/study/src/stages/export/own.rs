@@ -17,7 +17,6 @@ pub(super) struct OwnRow {
     cells: Vec<(String, Value)>,
 }
 
-/// Reads the declared measures.
 pub(super) fn read(path: &Path, study: &DesignFile) -> Result<Vec<OwnRow>, StudyError> {
     let table = Table::read(path)?;
     let people: Vec<ParticipantId> = table.ids("participant")?;

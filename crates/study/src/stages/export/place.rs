@@ -41,7 +41,6 @@ impl Place {
         Ok(place)
     }
 
-    /// Where to write.
     pub(super) fn fresh(&self) -> PathBuf {
         self.aside.path().join("export")
     }

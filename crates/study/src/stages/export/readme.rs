@@ -53,7 +53,6 @@ const OTHERS: [(&str, &str); 8] = [
     ),
 ];
 
-/// What an export holds.
 pub(super) struct Holds<'a> {
     pub(super) counts: &'a Exported,
     /// None where nothing was analysed.

@@ -39,16 +39,13 @@ pub struct PipelineRun {
     pub text: String,
     /// Parameters that the run had replaced.
     pub set: BTreeMap<String, String>,
-    /// What was run.
     pub steps: Vec<Step>,
 }
 
 /// One stage of a run.
 #[derive(Debug, Clone, Default)]
 pub struct Step {
-    /// The stage.
     pub name: String,
-    /// Its command line.
     pub command: String,
     /// Hash of each input, by its path in the study.
     pub inputs: BTreeMap<String, String>,

@@ -20,10 +20,8 @@ pub(super) enum When {
     Trial(usize),
 }
 
-/// What a field holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Slot {
-    /// Position of the scale.
     pub(super) scale: usize,
     pub(super) item: u32,
     pub(super) when: When,
@@ -41,7 +39,6 @@ pub(super) struct Columns<'a> {
     words: BTreeMap<String, Moment>,
     /// That of a design with no other.
     pub(super) only_condition: Option<ConditionId>,
-    /// By scale.
     patterns: Vec<Pattern>,
 }
 

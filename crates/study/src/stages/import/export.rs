@@ -17,7 +17,6 @@ use std::path::Path;
 pub(super) enum Export {
     /// A table of words, without the rows below its names that hold no answers.
     Table(Grid, &'static Format),
-    /// jsPsych's sessions, as JSON.
     Sessions(String),
 }
 
@@ -51,7 +50,6 @@ impl Export {
         Ok(Self::Table(format.without_heads(grid), format))
     }
 
-    /// What wrote it.
     pub(super) fn software(&self) -> Software {
         match self {
             Self::Table(_, format) => format.software,

@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 pub(super) struct Family {
     pub(super) before: String,
     pub(super) behind: String,
-    /// By that number.
     pub(super) columns: BTreeMap<u32, usize>,
 }
 

@@ -7,7 +7,6 @@ use maveric_domain::design::Software;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Format {
     pub(super) software: Software,
-    /// What it calls itself.
     pub(super) title: &'static str,
     /// Whether a table is its own: what nobody else writes stands in it.
     is: fn(&Grid) -> bool,

@@ -4,7 +4,6 @@ use super::{encoding::text_of, workbook};
 use crate::{error::StudyError, once::names, tables::Table};
 use std::path::{Path, PathBuf};
 
-/// A table of words.
 #[derive(Debug, Clone)]
 pub(super) struct Grid {
     path: PathBuf,

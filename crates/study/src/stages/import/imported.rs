@@ -24,14 +24,10 @@ use std::{
     path::Path,
 };
 
-/// What was imported.
 #[derive(Debug, Clone, Serialize)]
 pub struct Imported {
-    /// What wrote the export.
     pub software: Software,
-    /// People with an answer.
     pub participants: usize,
-    /// Items that were answered.
     pub answers: usize,
     /// Sheets (one scale answered once) by scale.
     pub sheets: BTreeMap<String, usize>,

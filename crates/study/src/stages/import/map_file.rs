@@ -10,9 +10,7 @@ use std::{collections::BTreeMap, path::Path};
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MapFile {
-    /// Sheet of a workbook.
     sheet: Option<String>,
-    /// Encoding of a text.
     encoding: Option<String>,
     /// Column, or property of a trial, that holds the participant's id.
     pub(super) participant: Option<String>,
@@ -22,7 +20,6 @@ pub(super) struct MapFile {
     pub(super) missing: Vec<String>,
     /// Words in that field or in the names of columns, and the moments they mean.
     pub(super) moments: BTreeMap<String, Moment>,
-    /// By the scale's id.
     pub(super) scales: BTreeMap<String, ScaleColumns>,
 }
 

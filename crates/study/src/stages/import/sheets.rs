@@ -16,7 +16,6 @@ use std::{
 pub(super) struct Row {
     pub(super) participant: ParticipantId,
     pub(super) moment: Moment,
-    /// Position of the scale.
     pub(super) scale: usize,
     pub(super) item: u32,
     pub(super) answer: Option<i32>,

@@ -9,7 +9,6 @@ use minijinja::{Value, context};
 pub(super) struct DialledScore {
     pub(super) score: ScoreName,
     pub(super) range: ScoreRange,
-    /// In sentences.
     pub(super) label: String,
 }
 

@@ -24,7 +24,6 @@ pub struct MeanWithInterval {
     pub mean: Option<f64>,
     /// Lower end; none for fewer than two drives.
     pub low: Option<f64>,
-    /// Upper end.
     pub high: Option<f64>,
 }
 
@@ -43,7 +42,6 @@ pub struct CurveRow {
     pub standard_error: MeanWithInterval,
 }
 
-/// The curve over drives.
 #[derive(Debug)]
 pub(super) struct CurveOfDrives {
     pub(super) drives: usize,

@@ -19,7 +19,6 @@ use std::collections::BTreeMap;
 #[derive(Serialize)]
 pub(super) struct Words<'a> {
     pub(super) studies: usize,
-    /// Whether nothing was planted.
     pub(super) null: bool,
     pub(super) signs: &'a [SignRow],
 }

@@ -12,9 +12,7 @@ use std::path::Path;
 pub struct SignRow {
     /// The claim's key, such as `homophily.SCALE.FACTOR.OWN-OTHER.SCALE.SUBSCALE.r`.
     pub key: String,
-    /// What the claim says.
     pub text: String,
-    /// The paper's coefficient.
     pub paper: f64,
     /// Participants of the studies that are compared.
     pub participants: usize,

@@ -20,7 +20,6 @@ use std::{collections::BTreeMap, path::Path};
 pub(super) struct People {
     participants: Vec<Enrolled>,
     scores: Vec<Score>,
-    /// What the dial turns.
     score: Option<ScoreName>,
     /// Drives of each person: those that the car did not drive, and those that it did.
     drives: BTreeMap<ParticipantId, [usize; 2]>,

@@ -16,7 +16,6 @@ pub struct ItemMean {
     pub sd: Option<f64>,
 }
 
-/// What each person answered.
 type People<'a> = BTreeMap<&'a ParticipantId, Vec<f64>>;
 
 /// The mean answer to each item after each condition, by scale, item and condition; of items whose answers are numbers, and that are no

@@ -8,12 +8,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Whose logs are written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum LogChoice {
-    /// Everybody's.
     All,
-    /// One participant's.
     Of(String),
 }
 

@@ -8,7 +8,6 @@ use maveric_stats::{Adjustment, CorrelationMethod, MissingCells, PosthocTest, St
 pub(super) enum FactorialMethod {
     /// Analysis of variance, with means, contrasts and simple effects.
     Anova,
-    /// Aligned ranks.
     Art,
 }
 

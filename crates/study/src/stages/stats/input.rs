@@ -54,11 +54,8 @@ fn column_and_value(text: &str) -> Result<(String, String), String> {
 pub(super) enum Show {
     /// Everything: what was found, of whom, why, and what has no value.
     Report,
-    /// The sentences alone.
     Apa,
-    /// Tables in LaTeX.
     Latex,
-    /// Tables in Markdown.
     Markdown,
 }
 
@@ -69,7 +66,6 @@ pub struct Long<'a> {
     pub(super) subject: Option<&'a str>,
     /// In which condition, or group.
     pub(super) within: &'a str,
-    /// The column of values.
     pub(super) value: &'a str,
 }
 

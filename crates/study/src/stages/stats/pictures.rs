@@ -30,11 +30,8 @@ use std::path::Path;
 pub(super) enum Picture {
     /// Groups, conditions or cells; the sentences say what intervals and brackets are.
     Panel(ComparisonPanel, &'static str, &'static str),
-    /// Two crossed factors.
     Interaction(InteractionPanel),
-    /// Two columns.
     Scatter(Scatter),
-    /// Contrasts or coefficients.
     Forest(Forest),
 }
 
@@ -57,7 +54,6 @@ pub(super) enum Format {
     Pdf,
 }
 
-/// By the file's ending.
 pub(super) fn format(path: &Path) -> Result<Format, StudyError> {
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match ending.as_deref() {

@@ -12,7 +12,6 @@ use serde_json::Value;
 /// Level of a test, and what its intervals leave out.
 pub(super) const ALPHA: f64 = 0.05;
 
-/// What one test gives.
 pub struct Ran {
     pub(super) value: Value,
     pub(super) statements: Vec<(String, Statement)>,
@@ -78,7 +77,6 @@ impl Ran {
     }
 }
 
-/// A result as JSON.
 pub(super) fn plain(result: &impl serde::Serialize) -> Value {
     serde_json::to_value(result).unwrap_or_default()
 }

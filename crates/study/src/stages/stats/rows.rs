@@ -65,7 +65,6 @@ impl FactorColumns {
     }
 }
 
-/// Their cells.
 #[derive(Debug)]
 pub(super) struct DesignRows {
     subjects: Vec<String>,

@@ -28,7 +28,6 @@ pub(super) const AGGRESSION: &str = "aggression";
 /// What a head that was fitted to scores is worth.
 #[derive(Debug, Clone, Serialize)]
 pub struct AttributeSummary {
-    /// The score.
     pub name: String,
     /// Training drives it was fitted to.
     pub drives: usize,
@@ -36,13 +35,11 @@ pub struct AttributeSummary {
     pub without_score: usize,
     /// Scored drivers who are not among the training drivers.
     pub unknown: usize,
-    /// Share of variance explained.
     pub r_squared: f64,
     /// The same, drives left out one at a time.
     pub r_squared_leave_one_out: Option<f64>,
     /// Uncertainty of the direction, in degrees.
     pub direction_se_deg: f64,
-    /// Lowest and highest score.
     pub range: [f64; 2],
 }
 

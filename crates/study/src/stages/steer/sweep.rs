@@ -128,7 +128,6 @@ struct Sweeping<'a> {
     /// Along an attribute; none along S.
     heads: Option<&'a Heads>,
     metric: StyleMetric,
-    /// What it is called.
     name: &'a str,
 }
 

@@ -28,13 +28,10 @@ use serde::Serialize;
 /// What was found about one model.
 #[derive(Debug, Clone, Serialize)]
 pub struct Examined {
-    /// File of the model.
     pub model: String,
-    /// Which heads it has.
     pub heads: HeadsKind,
     /// Further files that hold the same model, as trainings of linear heads with other seeds do: examined and counted once.
     pub same: Vec<String>,
-    /// Are drivers told apart?
     pub identity: Vec<Identification>,
     /// Do the standard errors of the styles hold?
     pub errors: Held,
@@ -42,7 +39,6 @@ pub struct Examined {
     pub days_of: Option<usize>,
     /// Is the car like its driver?
     pub fidelity: Vec<Fidelity>,
-    /// And as a distribution?
     pub likeness: Vec<Likeness>,
     /// By what it is not.
     pub likeness_by_column: Vec<ByColumn>,
@@ -62,7 +58,6 @@ pub struct Examined {
     pub collisions: u32,
     /// Episodes over them with the vehicle ahead nearer than the safety rule allows.
     pub rule_violations: u32,
-    /// The car's drives.
     pub drives: usize,
 }
 
@@ -141,7 +136,6 @@ fn by_day(people: &[Person]) -> [Vec<Values>; 2] {
 }
 
 impl Examination<'_> {
-    /// Examines a model.
     pub(super) fn examine(
         &self,
         name: &str,

@@ -44,7 +44,6 @@ const PERMUTATIONS: usize = 1000;
 pub struct InTurn {
     /// Whether the drivers are made up.
     pub synthetic: bool,
-    /// Which heads were learned.
     pub heads: HeadsKind,
     /// People with a drive in a role.
     pub people: usize,
@@ -70,11 +69,9 @@ impl InTurn {
 /// A table with its answer.
 #[derive(Debug, Clone, Serialize)]
 pub struct Answered {
-    /// What was asked.
     pub asked: ValidateTable,
     /// What was found; none where it cannot be answered.
     pub answer: Option<Answer>,
-    /// Why there is none.
     pub unanswered: Option<String>,
 }
 

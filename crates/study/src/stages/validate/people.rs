@@ -11,7 +11,6 @@ use maveric_rehearsal::validation::{Values, values};
 use path_slash::PathExt as _;
 use std::{collections::BTreeMap, path::Path};
 
-/// Somebody who drove twice.
 #[derive(Debug)]
 pub(super) struct Person {
     pub(super) participant: ParticipantId,

@@ -3,7 +3,6 @@
 use super::Picture;
 use maveric_report::figures::scatter::Scatter;
 
-/// Pairs with both values.
 fn complete(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
     x.iter()
         .zip(y)

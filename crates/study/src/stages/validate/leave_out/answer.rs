@@ -11,28 +11,21 @@ use maveric_rehearsal::{
 };
 use serde::Serialize;
 
-/// What a table says.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Answer {
     /// Whether the drive in one role lies above the others of its driver.
     Order(Order),
-    /// Whose drive it is.
     Identity(Vec<Whose>),
     /// How alike two drives are.
     Retest {
-        /// Measure by measure.
         measures: Vec<Retest>,
-        /// Whoever drove only once.
         uncounted: Vec<Uncounted>,
     },
     /// Which share of standard errors holds.
     Errors(ErrorShare),
-    /// Where the dial points.
     Direction {
-        /// Beside what.
         found: Direction,
-        /// Whoever lacks a drive.
         uncounted: Vec<Uncounted>,
     },
     /// What a model says that was learned elsewhere.
@@ -40,7 +33,6 @@ pub enum Answer {
 }
 
 impl Answer {
-    /// Whoever it cannot count.
     fn uncounted(&self) -> Vec<&Uncounted> {
         match self {
             Self::Order(order) => order.uncounted.iter().collect(),

@@ -15,7 +15,6 @@ use std::ops::ControlFlow;
 
 /// Drives, and by what each person's model is learned from those of the others.
 pub(super) struct Learning<'a> {
-    /// The recordings.
     pub(super) drives: Vec<&'a Drive>,
     /// The same as they were told and measured.
     pub(super) drove: Vec<Drove>,

@@ -235,7 +235,6 @@ fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what
     assert!(page.contains("Does the dial point where people themselves go"));
 }
 
-/// Declares all six tables.
 fn all_six(folder: &Path) {
     let roles = "learn = [\"calm\", \"sporty\", \"calm-again\"]\n";
     let pair = "higher = \"sporty\"\nlower = [\"calm\"]\n";
