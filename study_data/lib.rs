@@ -15,10 +15,7 @@ pub fn scale(id: &str) -> Option<&'static str> {
             .map(|folder| format!("study_data/{folder}/{id}.toml"))
             .contains(&path.to_owned())
     };
-    FILES
-        .iter()
-        .find(|(path, _)| is_it(path))
-        .map(|(_, text)| *text)
+    FILES.iter().find(|(path, _)| is_it(path)).map(|(_, text)| *text)
 }
 
 macro_rules! files {
@@ -117,9 +114,8 @@ mod tests {
                     list(&path, found);
                 }
             } else if path.extension().is_some_and(|e| e == "toml" || e == "md") {
-                let below = path
-                    .strip_prefix(env!("CARGO_MANIFEST_DIR"))
-                    .expect("below the project");
+                let below =
+                    path.strip_prefix(env!("CARGO_MANIFEST_DIR")).expect("below the project");
                 found.insert(below.to_string_lossy().replace('\\', "/"));
             }
         }
@@ -129,10 +125,7 @@ mod tests {
     fn every_file_of_the_two_folders_but_the_sample_is_shipped() {
         let mut there = BTreeSet::new();
         for folder in ["study_data", "pipelines"] {
-            list(
-                &Path::new(env!("CARGO_MANIFEST_DIR")).join(folder),
-                &mut there,
-            );
+            list(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut there);
         }
         let shipped: BTreeSet<String> = FILES.iter().map(|(path, _)| (*path).to_owned()).collect();
         assert_eq!(shipped, there);

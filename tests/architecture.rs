@@ -78,11 +78,7 @@ fn dependencies() -> BTreeMap<String, Vec<String>> {
         ])
         .output()
         .expect("cargo runs this test, so it can be run");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let metadata: Value =
         serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
     let text = |v: &Value| v.as_str().unwrap_or_default().to_owned();
@@ -132,10 +128,7 @@ fn heavy_dependencies_have_one_home() {
 
 #[test]
 fn all_twenty_two_packages_are_there() {
-    let crates = dependencies()
-        .into_keys()
-        .filter(|n| n.starts_with("maveric-"))
-        .count();
+    let crates = dependencies().into_keys().filter(|n| n.starts_with("maveric-")).count();
     assert_eq!(crates, 22);
 }
 
@@ -171,9 +164,7 @@ fn every_system_gives_the_same_bytes_and_the_same_messages() {
     for file in files {
         let text = std::fs::read_to_string(&file).expect("a source file is text");
         let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-        let lines = code
-            .lines()
-            .filter(|line| !line.trim_start().starts_with("//"));
+        let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
         for (number, line) in lines.enumerate() {
             let calls = |name: &str| {
                 line.contains(&format!(".{name}(")) || line.contains(&format!("f64::{name}"))

@@ -1,10 +1,6 @@
 //! No file of a crate may need a file that needs it: what two files share is a file below both.
 
-#![allow(
-    clippy::panic,
-    clippy::unwrap_used,
-    reason = "a test stops at the first surprise"
-)]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "a test stops at the first surprise")]
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -71,11 +67,7 @@ impl File {
             })
         });
         let defines = defines.map(ToString::to_string).collect();
-        let mut file = Self {
-            path,
-            defines,
-            ..Self::default()
-        };
+        let mut file = Self { path, defines, ..Self::default() };
         file.visit_file(&parsed);
         file
     }
@@ -123,10 +115,8 @@ impl Crate {
                     folders.push(path);
                 } else if path.extension().is_some_and(|e| e == "rs") {
                     let relative = path.strip_prefix(src).unwrap().with_extension("");
-                    let mut module: Module = relative
-                        .iter()
-                        .map(|word| word.to_string_lossy().into_owned())
-                        .collect();
+                    let mut module: Module =
+                        relative.iter().map(|word| word.to_string_lossy().into_owned()).collect();
                     if matches!(module.last().unwrap().as_str(), "mod" | "lib" | "main") {
                         module.pop();
                     }
@@ -184,10 +174,7 @@ impl Crate {
     fn needs(&self) -> BTreeMap<&Module, BTreeSet<Module>> {
         let of = |(module, file): (&Module, &File)| {
             let rooted = |path: &&Vec<String>| {
-                matches!(
-                    path.first().map(String::as_str),
-                    Some("crate" | "super" | "self")
-                )
+                matches!(path.first().map(String::as_str), Some("crate" | "super" | "self"))
             };
             let all = file.paths.iter().chain(file.imports.values());
             let all = all.chain(&file.globs).filter(rooted);
@@ -199,11 +186,8 @@ impl Crate {
         self.0
             .iter()
             .map(|(module, file)| {
-                let needed = if file.defines.is_empty() {
-                    BTreeSet::new()
-                } else {
-                    of((module, file))
-                };
+                let needed =
+                    if file.defines.is_empty() { BTreeSet::new() } else { of((module, file)) };
                 (module, needed)
             })
             .collect()
@@ -272,9 +256,6 @@ fn a_circle_is_seen_through_a_re_export_and_not_in_what_only_re_exports() {
     assert!(Crate::read(folder.path()).circles().is_empty());
     write("b.rs", "pub struct B; fn b() { let _ = crate::A(B); }");
     assert_eq!(Crate::read(folder.path()).circles().len(), 1);
-    write(
-        "b.rs",
-        "pub struct B; #[cfg(test)] mod tests { use crate::A; }",
-    );
+    write("b.rs", "pub struct B; #[cfg(test)] mod tests { use crate::A; }");
     assert!(Crate::read(folder.path()).circles().is_empty());
 }

@@ -31,11 +31,8 @@ fn a_stderr_that_nobody_reads_ends_no_command_half_way() {
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let ended = study
-            .command(&argv(line))
-            .stderr(writer)
-            .stdout(std::process::Stdio::null())
-            .status();
+        let ended =
+            study.command(&argv(line)).stderr(writer).stdout(std::process::Stdio::null()).status();
         assert_eq!(ended.unwrap().code(), Some(status), "{line}");
     }
     assert!(study.path("made").exists());
@@ -62,29 +59,17 @@ fn a_missing_file_an_empty_one_and_a_folder_are_named() {
     };
     compare(folder.to_str().unwrap()).failed(1, &["is a folder"]);
     compare("nowhere.csv").failed(1, &["nowhere.csv"]);
-    study
-        .maveric(&["run", "pipelines/nowhere.toml"])
-        .failed(1, &["nowhere.toml"]);
-    let broken = study.write(
-        "pipelines/broken.toml",
-        "name = \"x\"\n[[stage]]\nnme = \"a\"\n",
-    );
-    study
-        .maveric(&["run", broken.to_str().unwrap()])
-        .failed(1, &["broken.toml:", "nme"]);
+    study.maveric(&["run", "pipelines/nowhere.toml"]).failed(1, &["nowhere.toml"]);
+    let broken = study.write("pipelines/broken.toml", "name = \"x\"\n[[stage]]\nnme = \"a\"\n");
+    study.maveric(&["run", broken.to_str().unwrap()]).failed(1, &["broken.toml:", "nme"]);
 }
 
 #[test]
 fn an_unknown_column_gets_the_nearest_name() {
     let study = TempStudy::new();
-    study.write(
-        "d.csv",
-        "subject,condition,value\na,x,1\na,y,2\nb,x,2\nb,y,4\n",
-    );
+    study.write("d.csv", "subject,condition,value\na,x,1\na,y,2\nb,x,2\nb,y,4\n");
     study
-        .maveric(&argv(
-            "stats within d.csv --subject subjct --within condition --value value",
-        ))
+        .maveric(&argv("stats within d.csv --subject subjct --within condition --value value"))
         .failed(1, &["subjct", "did you mean `subject`"]);
 }
 
@@ -94,9 +79,7 @@ fn a_model_of_something_else_is_refused() {
     study.write("model.maveric", "{\"weights\": []}");
     study.write("conditions.csv", "participant,condition,w1\nP1,mimic,0.1\n");
     study
-        .maveric(&argv(
-            "simulate --model model.maveric --conditions conditions.csv --out av",
-        ))
+        .maveric(&argv("simulate --model model.maveric --conditions conditions.csv --out av"))
         .failed(1, &["model.maveric"]);
     assert!(!study.path("av").exists());
 }
@@ -104,14 +87,9 @@ fn a_model_of_something_else_is_refused() {
 #[test]
 fn json_is_one_object_on_stdout() {
     let study = TempStudy::new();
-    study.write(
-        "d.csv",
-        "s,w,v\na,x,1\na,y,2\na,z,4\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,2\n",
-    );
+    study.write("d.csv", "s,w,v\na,x,1\na,y,2\na,z,4\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,2\n");
     let ran = study
-        .maveric(&argv(
-            "stats within d.csv --subject s --within w --value v --format json",
-        ))
+        .maveric(&argv("stats within d.csv --subject s --within w --value v --format json"))
         .ok();
     let value: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert!(value["rm_anova"]["F"].as_f64().unwrap() > 0.0);
@@ -122,13 +100,8 @@ fn json_is_one_object_on_stdout() {
 #[test]
 fn who_did_not_answer_is_said_and_listed() {
     let study = TempStudy::new();
-    let answers: Vec<String> = (1..=11)
-        .map(|item| format!("P1,pre,adb,{item},3"))
-        .collect();
-    let surveys = format!(
-        "participant,moment,scale,item,answer\n{}\n",
-        answers.join("\n")
-    );
+    let answers: Vec<String> = (1..=11).map(|item| format!("P1,pre,adb,{item},3")).collect();
+    let surveys = format!("participant,moment,scale,item,answer\n{}\n", answers.join("\n"));
     study.write("surveys.csv", &surveys);
     study.write("participants.csv", "participant\nP1\nP2\n");
     let score = |surveys: &str| {
@@ -183,16 +156,13 @@ fn both_kinds_of_heads_learn_the_same_bytes_again() {
     for heads in ["linear", "paper"] {
         let train = |out: &str, threads: &str| {
             let drives = "--drives d/drives --epochs 4";
-            run(&format!(
-                "train --heads {heads} {drives} --out {out} -j {threads}"
-            ));
+            run(&format!("train --heads {heads} {drives} --out {out} -j {threads}"));
         };
         train("one.maveric", "1");
         train("two.maveric", "2");
-        for (one, two) in [
-            ("one.maveric", "two.maveric"),
-            ("one_training.json", "two_training.json"),
-        ] {
+        for (one, two) in
+            [("one.maveric", "two.maveric"), ("one_training.json", "two_training.json")]
+        {
             let read = |name: &str| std::fs::read(study.path(name)).unwrap();
             assert!(read(one) == read(two), "{heads}: {two} differs");
         }
@@ -206,23 +176,16 @@ fn generated_logs_are_watched_side_by_side() {
     let study = TempStudy::new();
     let generate = "generate --out g --study1 1 --study2 1 --duration 40";
     study.maveric(&argv(generate)).ok();
-    let [one, other] = [
-        "g/logs/study1/S1P01-own.mcap",
-        "g/logs/study2/S2P01-own.mcap",
-    ];
+    let [one, other] = ["g/logs/study1/S1P01-own.mcap", "g/logs/study2/S2P01-own.mcap"];
     let text = |path: &str| {
         String::from_utf8_lossy(&std::fs::read(study.path(path)).unwrap()).into_owned()
     };
-    study
-        .maveric(&["inspect", one, other, "--watch", "both.html"])
-        .ok();
+    study.maveric(&["inspect", one, other, "--watch", "both.html"]).ok();
     let page = text("both.html");
     assert_eq!(page.matches("<li class=\"pl-row").count(), 2);
     assert!(page.contains("Synthetic participants.") && page.contains("<b>S1P01-own</b>"));
     study
-        .maveric(&argv(
-            "inspect study_data/scenarios/paper.toml --watch none.html",
-        ))
+        .maveric(&argv("inspect study_data/scenarios/paper.toml --watch none.html"))
         .failed(1, &["paper.toml"]);
     assert!(!study.path("none.html").exists());
 }
@@ -233,10 +196,9 @@ fn outside_a_study_run_says_what_to_do_and_the_papers_study_runs_from_the_progra
     let empty = study.path("elsewhere");
     std::fs::create_dir(&empty).unwrap();
     for command in ["run", "status", "graph"] {
-        study.maveric_in("elsewhere", &[command]).failed(
-            1,
-            &["there is no study here", "maveric init my_study", "--paper"],
-        );
+        study
+            .maveric_in("elsewhere", &[command])
+            .failed(1, &["there is no study here", "maveric init my_study", "--paper"]);
     }
     let told = study.maveric_in("elsewhere", &["init", "--paper"]).ok();
     assert!(told.stdout.contains("pipelines/smoke.toml"));
@@ -244,14 +206,8 @@ fn outside_a_study_run_says_what_to_do_and_the_papers_study_runs_from_the_progra
     assert!(plan.contains("report: stale"), "{plan}");
     let first = argv("run pipelines/smoke.toml score --set duration=20");
     study.maveric_in("elsewhere", &first).ok();
-    assert!(
-        empty
-            .join("study_data/generated/smoke/scores.csv")
-            .is_file()
-    );
-    study
-        .maveric_in("elsewhere", &["init", "--paper"])
-        .failed(1, &["is not empty"]);
+    assert!(empty.join("study_data/generated/smoke/scores.csv").is_file());
+    study.maveric_in("elsewhere", &["init", "--paper"]).failed(1, &["is not empty"]);
     study
         .maveric_in("elsewhere", &["init", "x", "--paper", "--synthetic"])
         .failed(2, &["--synthetic"]);
@@ -268,10 +224,7 @@ fn an_installed_program_has_completions_a_manual_and_its_version() {
         ("elvish", "edit:completion"),
     ] {
         let text = study.maveric(&["completions", shell]).ok().stdout;
-        assert!(
-            text.contains(words) && text.contains("personalize"),
-            "{shell}"
-        );
+        assert!(text.contains(words) && text.contains("personalize"), "{shell}");
     }
     study.maveric(&["completions", "tcsh"]).failed(2, &["bash"]);
     study.maveric(&["man", "man"]).ok();
@@ -279,10 +232,7 @@ fn an_installed_program_has_completions_a_manual_and_its_version() {
     assert!(page.contains(".SH OPTIONS") && page.contains("\\-\\-subject"));
     assert!(study.path("man/maveric.1").is_file() && !study.path("man/maveric-man.1").exists());
     let version = study.maveric(&["--version"]).ok().stdout;
-    assert!(
-        version.starts_with(concat!("maveric ", env!("CARGO_PKG_VERSION"))),
-        "{version}"
-    );
+    assert!(version.starts_with(concat!("maveric ", env!("CARGO_PKG_VERSION"))), "{version}");
 }
 
 #[test]

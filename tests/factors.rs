@@ -52,11 +52,7 @@ impl MadeUp<'_> {
         let list = ids.join(",");
         let call = ["init", "mine", "--conditions", &list, "--style", "none"];
         study.maveric(&call).ok();
-        only_scales(
-            &study,
-            "mine",
-            &[("comfort", scale("comfort", 3, 1, 7, "mean"))],
-        );
+        only_scales(&study, "mine", &[("comfort", scale("comfort", 3, 1, 7, "mean"))]);
         let conditions: Vec<String> = self
             .conditions
             .iter()
@@ -122,18 +118,10 @@ fn crossed(people: usize) -> TempStudy {
         let (style, traffic) = (STYLES[place / 3], TRAFFIC[place % 3]);
         let label = format!("{style}, {traffic}");
         let levels = format!("levels = {{ style = \"{style}\", traffic = \"{traffic}\" }}");
-        (
-            format!("{style}-{traffic}"),
-            format!("label = \"{label}\"\n{levels}\n"),
-        )
+        (format!("{style}-{traffic}"), format!("label = \"{label}\"\n{levels}\n"))
     });
-    MadeUp {
-        people,
-        conditions: conditions.collect(),
-        more: LABELS,
-        seconds: crossed_seconds,
-    }
-    .study()
+    MadeUp { people, conditions: conditions.collect(), more: LABELS, seconds: crossed_seconds }
+        .study()
 }
 
 /// Twelve cars in one row.
@@ -166,28 +154,20 @@ fn run(study: &TempStudy) -> Value {
 
 fn panel<'a>(analysis: &'a Value, outcome: &str) -> &'a Value {
     let mut panels = analysis["panels"].as_array().unwrap().iter();
-    panels
-        .find(|p| p["outcome"] == outcome && p["group"].is_null())
-        .unwrap()
+    panels.find(|p| p["outcome"] == outcome && p["group"].is_null()).unwrap()
 }
 
 #[track_caller]
 fn close(found: &Value, expected: f64) {
     let found = found.as_f64().unwrap();
-    assert!(
-        (found - expected).abs() < 1e-9 * expected.abs().max(1.0),
-        "{found}, not {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found}, not {expected}");
 }
 
 /// Mean and variance of a list.
 fn moments(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
-    (
-        mean,
-        values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0),
-    )
+    (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
 }
 
 /// Estimate, t and degrees of freedom of weighted groups' means, each with its own variance (Welch and Satterthwaite).
@@ -201,11 +181,7 @@ fn welch(groups: &[(f64, Vec<f64>)]) -> [f64; 3] {
         variance += part;
         below += part * part / (n - 1.0);
     }
-    [
-        estimate,
-        estimate / variance.sqrt(),
-        variance * variance / below,
-    ]
+    [estimate, estimate / variance.sqrt(), variance * variance / below]
 }
 
 const PEOPLE: usize = 30;
@@ -229,10 +205,7 @@ fn a_design_of_two_factors_a_group_and_a_covariate_has_its_means_effects_and_con
     let rise = |p: usize| sporty(p, 2) - sporty(p, 0);
     let jam = |p: usize| sporty(p, 2);
     let of = |score: &dyn Fn(usize) -> f64, novice: bool| -> Vec<f64> {
-        (0..PEOPLE)
-            .filter(|p| is_novice(*p) == novice)
-            .map(score)
-            .collect()
+        (0..PEOPLE).filter(|p| is_novice(*p) == novice).map(score).collect()
     };
     let contrasts = by_factor["contrasts"].as_array().unwrap();
     assert_eq!(contrasts.len(), 4);
@@ -258,10 +231,7 @@ fn a_design_of_two_factors_a_group_and_a_covariate_has_its_means_effects_and_con
     let apart =
         |score: &dyn Fn(usize) -> f64| moments(&of(score, true)).0 - moments(&of(score, false)).0;
     assert_eq!(contrasts[3]["method"], "regression");
-    close(
-        &contrasts[3]["estimate"],
-        apart(&all) - over / square * apart(&age),
-    );
+    close(&contrasts[3]["estimate"], apart(&all) - over / square * apart(&age));
     // Holm's step down over the four, by hand.
     let p: Vec<f64> = contrasts.iter().map(|c| c["p"].as_f64().unwrap()).collect();
     let mut order: Vec<usize> = (0..4).collect();
@@ -276,18 +246,14 @@ fn a_design_of_two_factors_a_group_and_a_covariate_has_its_means_effects_and_con
     let mean_of = |effect: &str, levels: &[&str]| {
         let mut rows = means.iter();
         let levels: Vec<Value> = levels.iter().map(|l| (*l).into()).collect();
-        rows.find(|m| m["effect"] == effect && m["levels"] == Value::from(levels.clone()))
-            .unwrap()
+        rows.find(|m| m["effect"] == effect && m["levels"] == Value::from(levels.clone())).unwrap()
     };
     let here = |p: usize| cell(p, 1, 2);
     let both = f64::midpoint(moments(&of(&here, true)).0, moments(&of(&here, false)).0);
     close(&mean_of("style:traffic", &["sporty", "jam"])["mean"], both);
     let novices = mean_of("experience:style:traffic", &["n", "sporty", "jam"]);
     close(&novices["mean"], moments(&of(&here, true)).0);
-    assert_eq!(
-        (&novices["n"], novices["within"].is_array()),
-        (&18.into(), true)
-    );
+    assert_eq!((&novices["n"], novices["within"].is_array()), (&18.into(), true));
     // Three interactions of two factors: five, four and five simple effects, and each its own family.
     let simple = by_factor["simple"].as_array().unwrap();
     assert_eq!(simple.len(), 4 + 5 + 5, "{simple:?}");
@@ -374,9 +340,7 @@ fn the_call_that_an_export_gives_finds_the_numbers_of_the_page() {
 
 #[test]
 fn twelve_conditions_have_at_most_six_brackets_names_that_are_whole() {
-    let pairs: Vec<String> = (2..=12)
-        .map(|c| format!("[\"c{c:02}\", \"c01\"]"))
-        .collect();
+    let pairs: Vec<String> = (2..=12).map(|c| format!("[\"c{c:02}\", \"c01\"]")).collect();
     let study = twelve(&format!("[contrasts]\ncompare = [{}]\n", pairs.join(", ")));
     run(&study);
     let page = Page::read(&study.path("mine/report/index.html"));
@@ -388,10 +352,7 @@ fn twelve_conditions_have_at_most_six_brackets_names_that_are_whole() {
         let names = svg.matches(">Setting 12").count() + svg.matches(">Setting<").count();
         assert!(names >= panels, "{name}: {svg}");
         let stars = svg.matches("*</text>").count();
-        assert!(
-            (1..=6 * panels).contains(&stars),
-            "{name}: {stars} brackets"
-        );
+        assert!((1..=6 * panels).contains(&stars), "{name}: {stars} brackets");
     }
 }
 
@@ -401,22 +362,12 @@ fn an_unknown_factor_level_or_label_is_refused_by_what_there_is_and_nothing_is_w
     let sound = study.read("mine/study.toml");
     let wrong: BTreeMap<(&str, &str), &[&str]> = BTreeMap::from([
         (
-            (
-                "{ style = [\"sporty\", \"calm\"] },",
-                "{ stile = [\"sporty\", \"calm\"] },",
-            ),
+            ("{ style = [\"sporty\", \"calm\"] },", "{ stile = [\"sporty\", \"calm\"] },"),
             &["contrasts.factors[1]", "`stile`", "did you mean `style`?"][..],
         ),
         (
-            (
-                "\"calm\"], traffic = \"jam\" }",
-                "\"calm\"], traffic = \"jamm\" }",
-            ),
-            &[
-                "contrasts.factors[3].traffic",
-                "`jamm`",
-                "did you mean `jam`?",
-            ],
+            ("\"calm\"], traffic = \"jam\" }", "\"calm\"], traffic = \"jamm\" }"),
+            &["contrasts.factors[3].traffic", "`jamm`", "did you mean `jam`?"],
         ),
         (
             ("{ experience = [\"n\", \"e\"] }", "{ experience = \"n\" }"),
@@ -447,18 +398,11 @@ fn an_unknown_factor_level_or_label_is_refused_by_what_there_is_and_nothing_is_w
     // Which levels there are between people, their table alone knows.
     study.write(
         "mine/study.toml",
-        sound.replacen(
-            "{ experience = [\"n\", \"e\"] }",
-            "{ experience = [\"n\", \"x\"] }",
-            1,
-        ),
+        sound.replacen("{ experience = [\"n\", \"e\"] }", "{ experience = [\"n\", \"x\"] }", 1),
     );
     let ran = study.mine("run");
     assert_eq!(ran.status, Some(1));
-    for words in [
-        "`[contrasts] factors` names `x` of `experience`",
-        "expected one of e, n",
-    ] {
+    for words in ["`[contrasts] factors` names `x` of `experience`", "expected one of e, n"] {
         assert!(ran.stderr.contains(words), "{}", ran.stderr);
     }
     assert!(!study.path("mine/results/analysis.json").exists());

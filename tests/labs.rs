@@ -33,21 +33,14 @@ fn made(conditions: &[&str], scales: &[(&str, String)]) -> TempStudy {
 fn titled(id: &str, title: &str, items: u32, min: i32, max: i32) -> (String, String) {
     let text = scale(id, items, min, max, "mean");
     let own = format!("title = \"{id}\"");
-    (
-        id.to_owned(),
-        text.replace(&own, &format!("title = \"{title}\"")),
-    )
+    (id.to_owned(), text.replace(&own, &format!("title = \"{title}\"")))
 }
 
 /// Turns the comments of a proposal that begin with these words into lines of it.
 fn uncomment(text: &str, lines: &[&str]) -> String {
     let is_meant = |line: &str| lines.iter().any(|l| line.starts_with(&format!("# {l}")));
     let line = |line: &str| {
-        if is_meant(line) {
-            line[2..].to_owned()
-        } else {
-            line.to_owned()
-        }
+        if is_meant(line) { line[2..].to_owned() } else { line.to_owned() }
     };
     text.lines().map(|l| line(l) + "\n").collect()
 }
@@ -56,13 +49,7 @@ fn uncomment(text: &str, lines: &[&str]) -> String {
 fn proposed(study: &TempStudy, log: &str, changes: &[(&str, &str)]) {
     let line = format!("inspect --suggest-mapping {log} --into proposed.toml");
     study.mine(&line).ok();
-    let names = [
-        "[names]",
-        "file =",
-        "drive =",
-        "participant =",
-        "condition =",
-    ];
+    let names = ["[names]", "file =", "drive =", "participant =", "condition ="];
     let mut text = uncomment(&study.read("mine/proposed.toml"), &names);
     for (from, to) in changes {
         assert!(text.contains(from), "no `{from}` in {text}");
@@ -105,10 +92,7 @@ fn t(differences: &[f64]) -> f64 {
 #[track_caller]
 fn near(number: &Value, expected: f64, within: f64) {
     let number = number.as_f64().unwrap();
-    assert!(
-        (number - expected).abs() < within,
-        "{number}, not {expected}"
-    );
+    assert!((number - expected).abs() < within, "{number}, not {expected}");
 }
 
 /// Mean difference of two conditions, and its t where it was tested by one.

@@ -35,12 +35,7 @@ fn run_once() -> TempStudy {
 /// What a seat would have collected of everybody.
 fn collect(study: &TempStudy) {
     let people = study.read("mine/participants.csv");
-    let ids = || {
-        people
-            .lines()
-            .skip(1)
-            .filter_map(|line| line.split(',').next())
-    };
+    let ids = || people.lines().skip(1).filter_map(|line| line.split(',').next());
     let mut events = "participant,step,page,moment,attempt,time_s,what,value,at\n".to_owned();
     let mut consents = "participant,step,text_sha256,at\n".to_owned();
     let mut notes =
@@ -82,9 +77,7 @@ fn exclude(study: &TempStudy, rules: &str) {
 /// Takes the rows of somebody out of the table of people.
 fn delete_rows(study: &TempStudy, people: &[&str]) {
     let text = study.read("mine/participants.csv");
-    let kept = text
-        .lines()
-        .filter(|l| !people.iter().any(|p| l.starts_with(p)));
+    let kept = text.lines().filter(|l| !people.iter().any(|p| l.starts_with(p)));
     let kept: Vec<&str> = kept.collect();
     study.write("mine/participants.csv", kept.join("\n") + "\n");
 }
@@ -110,15 +103,8 @@ fn whom_the_design_excludes_is_in_nothing_that_is_made_or_given_away() {
         ),
     );
     // What was learned from them is refused until it is trained anew.
-    export(&study, "early").failed(
-        1,
-        &[
-            "model.maveric",
-            LEARNED,
-            "withdrew consent",
-            "maveric run train",
-        ],
-    );
+    export(&study, "early")
+        .failed(1, &["model.maveric", LEARNED, "withdrew consent", "maveric run train"]);
     assert!(!study.path("early").exists());
     study.mine(RUN).ok();
     nowhere(&study, "mine", &traces, labs);
@@ -137,15 +123,9 @@ fn whom_the_design_excludes_is_in_nothing_that_is_made_or_given_away() {
     assert!(!results.contains("*M* = not known"), "{results}");
     let again = export(&study, "shared").ok();
     tells(&again.stdout, &["2 people left out by exclude.people"]);
-    tells(
-        &again.stderr,
-        &["2 people of the export that stood in", "delete"],
-    );
+    tells(&again.stderr, &["2 people of the export that stood in", "delete"]);
     nowhere(&study, "shared", &traces, |_| false);
-    tells(
-        &again.stderr,
-        &["1 that name somebody who is left out are not"],
-    );
+    tells(&again.stderr, &["1 that name somebody who is left out are not"]);
     // All that the study has, with tables of the drives and what was analysed.
     let whole = "export --key ../key --out ../whole --drives parquet --notes --pipeline";
     study.mine(whole).ok();
@@ -165,9 +145,7 @@ fn whoever_has_no_row_among_the_people_any_more_is_as_one_who_was_never_there() 
     nowhere(&study, "mine", &traces, labs);
     let given = export(&study, "shared").ok();
     assert!(
-        given
-            .stdout
-            .contains("2 people left out by unknown participant")
+        given.stdout.contains("2 people left out by unknown participant")
             || given.stdout.contains("left out by unknown participant"),
         "{}",
         given.stdout
@@ -182,10 +160,7 @@ fn a_drive_that_is_excluded_is_in_nothing_and_its_person_stays() {
     let path = study.path(&format!("mine/results/drives/{drive}.parquet"));
     let speeds = read_drive(&path).unwrap().rows().ego_speed_mps.clone();
     let traces = Traces::by(vec![drive.clone()], vec![speeds]);
-    exclude(
-        &study,
-        &format!("drives = {{ \"{drive}\" = \"simulator sickness\" }}"),
-    );
+    exclude(&study, &format!("drives = {{ \"{drive}\" = \"simulator sickness\" }}"));
     study.mine(RUN).ok();
     nowhere(&study, "mine", &traces, labs);
     let given = export(&study, "shared").ok();
@@ -194,10 +169,7 @@ fn a_drive_that_is_excluded_is_in_nothing_and_its_person_stays() {
     let people = study.read("shared/participants.csv");
     assert_eq!(people.lines().count(), 1 + 8);
     let events = study.read("shared/seat/events.csv");
-    assert!(
-        events.contains(",uncomfortable,") && !events.contains("2026"),
-        "{events}"
-    );
+    assert!(events.contains(",uncomfortable,") && !events.contains("2026"), "{events}");
     let notes = study.read("shared/seat/notes.csv");
     assert!(notes.contains("-own: 60 s") && notes.contains("a window was open"));
     tells(&given.stderr, &["read seat/notes.csv"]);
@@ -234,23 +206,15 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     // An export that lies there may hold them under a pseudonym, which only its key tells.
     let earlier = study.write("mine/given/ro-crate-metadata.json", "{}");
     // So may what a run that was cut off moved aside.
-    let aside = study.write(
-        "mine/results/moved-aside-2026-11-28/drives/a.parquet",
-        "PAR1",
-    );
+    let aside = study.write("mine/results/moved-aside-2026-11-28/drives/a.parquet", "PAR1");
     let again = forget_person(&design, &last_id.unwrap()).unwrap();
     assert_eq!(again.left, [earlier, aside]);
     std::fs::remove_dir_all(study.path("mine/given")).unwrap();
     std::fs::remove_dir_all(study.path("mine/results/moved-aside-2026-11-28")).unwrap();
     // A copy of what had learned from them is refused; what is trained anew is not.
     study.write("mine/results/model.maveric", &kept);
-    let refused = refuse_learned_from_gone(&design, &model)
-        .unwrap_err()
-        .to_string();
-    assert!(
-        refused.contains("model.maveric") && refused.contains(LEARNED),
-        "{refused}"
-    );
+    let refused = refuse_learned_from_gone(&design, &model).unwrap_err().to_string();
+    assert!(refused.contains("model.maveric") && refused.contains(LEARNED), "{refused}");
     std::fs::remove_file(&model).unwrap();
     study.mine(RUN).ok();
     refuse_learned_from_gone(&design, &model).unwrap();
@@ -265,12 +229,6 @@ fn whoever_is_forgotten_is_nowhere_but_in_the_list_of_ids() {
     study.write("mine/study.toml", text);
     let table = study.path("mine/participants.csv");
     let text = std::fs::read_to_string(&table).unwrap();
-    std::fs::write(
-        &table,
-        format!("{text}{TESTED},2,internal,30-39,male,false,\n"),
-    )
-    .unwrap();
-    study
-        .mine("run")
-        .failed(1, &["participants.csv", TESTED, "forgotten", "another id"]);
+    std::fs::write(&table, format!("{text}{TESTED},2,internal,30-39,male,false,\n")).unwrap();
+    study.mine("run").failed(1, &["participants.csv", TESTED, "forgotten", "another id"]);
 }

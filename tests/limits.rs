@@ -16,10 +16,7 @@ fn placed(study: &TempStudy, count: usize) -> String {
     let scenario = study.read("study_data/scenarios/cut_in.toml");
     (0..count).fold(scenario, |mut text, i| {
         let ahead_m = 100 + 10 * i;
-        let _ = write!(
-            text,
-            "\n[[vehicles]]\nahead_m = {ahead_m}.0\nlane = 0\nspeed_mps = 20.0\n"
-        );
+        let _ = write!(text, "\n[[vehicles]]\nahead_m = {ahead_m}.0\nlane = 0\nspeed_mps = 20.0\n");
         text
     })
 }
@@ -44,26 +41,14 @@ fn every_limit_is_told_by_what_was_asked_and_what_is_possible() {
     study.write("wide.toml", pipeline(4_000_000_000));
     let ingest = "ingest oa_pair_r_f2_c.csv --mapping study_data/mappings/openacc.toml --out o";
     for (words, call) in [
-        (
-            "10000 threads, expected at most 1024",
-            format!("{ingest} -j 10000"),
-        ),
-        (
-            "200024 people, expected at most 100000",
-            "generate --out o --learn 200000".to_owned(),
-        ),
-        (
-            "at most 1000",
-            "generate --out o --scenario crowd.toml".to_owned(),
-        ),
+        ("10000 threads, expected at most 1024", format!("{ingest} -j 10000")),
+        ("200024 people, expected at most 100000", "generate --out o --learn 200000".to_owned()),
+        ("at most 1000", "generate --out o --scenario crowd.toml".to_owned()),
         (
             "100 to 1000000",
             "stats bootstrap t.csv --statistic mean --value v --resamples 1000000000000".to_owned(),
         ),
-        (
-            "at most 50",
-            "design describe --design many.toml".to_owned(),
-        ),
+        ("at most 50", "design describe --design many.toml".to_owned()),
         ("above 0, at most 1000", format!("{ingest} --rate 1e9")),
         ("rows", format!("{ingest} --rate 1000")),
         ("4000000000", "run wide.toml -n".to_owned()),

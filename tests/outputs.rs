@@ -42,11 +42,7 @@ fn no_command_writes_over_what_it_was_given() {
     ] {
         let ran = study.maveric(&argv(call));
         assert_eq!(ran.status, Some(1), "{call}: {}", ran.stderr);
-        assert!(
-            ran.stderr.contains("is an input of this command"),
-            "{call}: {}",
-            ran.stderr
-        );
+        assert!(ran.stderr.contains("is an input of this command"), "{call}: {}", ran.stderr);
     }
     for name in given {
         let now = study.read(name);
@@ -82,19 +78,13 @@ fn recordings_of_people_are_not_written_over_by_made_up_ones() {
     let generate = argv("generate --learn 1 --test 1 --duration 20 --out o");
     study.maveric(&generate).ok();
     study.maveric(&generate).ok();
-    let log = std::fs::read_dir(study.path("o/logs/study1"))
-        .unwrap()
-        .next()
-        .unwrap()
-        .unwrap()
-        .path();
+    let log =
+        std::fs::read_dir(study.path("o/logs/study1")).unwrap().next().unwrap().unwrap().path();
     let made = std::fs::read(&log).unwrap();
     let at = made.windows(9).position(|w| w == b"synthetic").unwrap();
     let mut recorded = made.clone();
     recorded[at..at + 9].copy_from_slice(b"humanoid!");
     std::fs::write(&log, &recorded).unwrap();
-    study
-        .maveric(&generate)
-        .failed(1, &["is a recording (MCAP)", "made-up"]);
+    study.maveric(&generate).failed(1, &["is a recording (MCAP)", "made-up"]);
     assert_eq!(std::fs::read(&log).unwrap(), recorded);
 }

@@ -52,17 +52,7 @@ fn section(entry: &FileEntry) -> String {
         let unit = column.unit.as_deref().unwrap_or_default();
         let when = column.when.as_ref().map(|w| format!("; only when {w}"));
         let when = when.unwrap_or_default();
-        text += &[
-            "| `",
-            &column.name,
-            "` | ",
-            unit,
-            " | ",
-            &column.means,
-            &when,
-            " |",
-        ]
-        .concat();
+        text += &["| `", &column.name, "` | ", unit, " | ", &column.means, &when, " |"].concat();
         if elsewhere {
             let path = column.made_in.as_ref().map(|path| format!(" `{path}` |"));
             text += &path.unwrap_or_else(|| " |".to_owned());
@@ -82,10 +72,7 @@ fn the_page_of_outputs_says_what_the_dictionary_says() {
     if std::env::var_os("UPDATE_GOLDEN").is_some_and(|value| value == "1") {
         std::fs::write(&path, expected).unwrap();
     } else {
-        let same = page
-            .lines()
-            .zip(expected.lines())
-            .find(|(is, should)| is != should);
+        let same = page.lines().zip(expected.lines()).find(|(is, should)| is != should);
         assert!(
             page == expected,
             "{PAGE} is not what columns.toml says: UPDATE_GOLDEN=1 writes it; the first line that differs: {same:?}"
@@ -98,10 +85,7 @@ fn every_entry_has_words_and_says_where_its_numbers_are_made() {
     assert!(entries().len() > 20);
     for entry in entries() {
         let what = entry.files.join(", ");
-        assert!(
-            !entry.about.trim().is_empty() && !entry.by.is_empty(),
-            "{what}"
-        );
+        assert!(!entry.about.trim().is_empty() && !entry.by.is_empty(), "{what}");
         assert_eq!(entry.columns.is_empty(), entry.name.is_none(), "{what}");
         let mut names = BTreeSet::new();
         for column in &entry.columns {
@@ -133,9 +117,7 @@ fn strange_and_missing(folder: &Path) -> (BTreeSet<String>, BTreeSet<String>) {
         let columns = Table::read(&path).unwrap().columns();
         let unknown = columns.iter().filter(|c| entry.column(c).is_none());
         strange.extend(unknown.map(|column| format!("{shown}: {column}")));
-        let lacks = entry
-            .always()
-            .filter(|c| !columns.iter().any(|has| has == c));
+        let lacks = entry.always().filter(|c| !columns.iter().any(|has| has == c));
         missing.extend(lacks.map(|column| format!("{shown}: {column}")));
     }
     let always = entries().iter().filter(|e| e.when.is_none());
@@ -148,10 +130,7 @@ fn strange_and_missing(folder: &Path) -> (BTreeSet<String>, BTreeSet<String>) {
 fn a_run_writes_every_file_and_column_that_the_dictionary_has_and_no_other() {
     let (strange, missing) = strange_and_missing(&run().path("study_data/generated/smoke"));
     assert!(strange.is_empty(), "not in columns.toml: {strange:#?}");
-    assert!(
-        missing.is_empty(),
-        "in columns.toml, not in a run: {missing:#?}"
-    );
+    assert!(missing.is_empty(), "in columns.toml, not in a run: {missing:#?}");
 }
 
 #[test]
@@ -168,9 +147,7 @@ fn a_file_and_a_column_that_nobody_explained_and_one_that_is_not_there_are_named
 
 /// Macros of `numbers.tex`, in order.
 fn macros(tex: &str) -> Vec<&str> {
-    let lines = tex
-        .lines()
-        .filter_map(|line| line.strip_prefix("\\newcommand{\\"));
+    let lines = tex.lines().filter_map(|line| line.strip_prefix("\\newcommand{\\"));
     lines.filter_map(|rest| rest.split('}').next()).collect()
 }
 
@@ -183,11 +160,7 @@ fn a_manuscript_has_numbers_by_name_methods_results_and_references() {
     let once: BTreeSet<&str> = found.iter().copied().collect();
     assert_eq!(once.len(), found.len(), "a macro is defined twice");
     assert!(found.len() > 100, "{} macros", found.len());
-    assert!(
-        found
-            .iter()
-            .all(|name| name.chars().all(|c| c.is_ascii_alphabetic()))
-    );
+    assert!(found.iter().all(|name| name.chars().all(|c| c.is_ascii_alphabetic())));
     let csv = std::fs::read_to_string(manuscript.join("numbers.csv")).unwrap();
     assert!(found.iter().all(|name| csv.contains(&format!("\n{name},"))));
     for part in ["results.md", "methods.md", "references.bib"] {
@@ -196,16 +169,9 @@ fn a_manuscript_has_numbers_by_name_methods_results_and_references() {
         assert!(!text.contains("&lt;") && !text.contains("&amp;"), "{part}");
     }
     let bib = std::fs::read_to_string(manuscript.join("references.bib")).unwrap();
-    tells(
-        &bib,
-        &["author = {Jian, J.-Y. and Bisantz, A. M. and Drury, C. G.}"],
-    );
+    tells(&bib, &["author = {Jian, J.-Y. and Bisantz, A. M. and Drury, C. G.}"]);
     // A document of Word is a zip archive.
-    assert!(
-        std::fs::read(manuscript.join("manuscript.docx"))
-            .unwrap()
-            .starts_with(b"PK")
-    );
+    assert!(std::fs::read(manuscript.join("manuscript.docx")).unwrap().starts_with(b"PK"));
 }
 
 /// Every number of a value.
@@ -277,16 +243,11 @@ fn every_number_of_a_manuscript_is_one_of_the_analysis() {
     assert!(unknown.is_empty(), "{unknown:?} in {results}");
     assert!(!known.contains("7777.77"));
     // Cells: to the last digit.
-    let exactly: BTreeSet<u64> = all
-        .iter()
-        .flat_map(|v| [v.to_bits(), (100.0 * v).to_bits()])
-        .collect();
+    let exactly: BTreeSet<u64> =
+        all.iter().flat_map(|v| [v.to_bits(), (100.0 * v).to_bits()]).collect();
     let csv = Table::read(&run().path("reports/smoke/manuscript/numbers.csv")).unwrap();
-    let (table, row, column) = (
-        csv.text("table").unwrap(),
-        csv.text("row").unwrap(),
-        csv.text("column").unwrap(),
-    );
+    let (table, row, column) =
+        (csv.text("table").unwrap(), csv.text("row").unwrap(), csv.text("column").unwrap());
     let value = csv.numbers("value").unwrap();
     let mut tables = BTreeSet::new();
     for i in 0..csv.rows() {
@@ -307,10 +268,7 @@ fn every_number_of_a_manuscript_is_one_of_the_analysis() {
             tables.insert(table.clone());
             let place = format!("{table}, {:?}, {:?}: {value}", row[i], column[i]);
             let of_the_paper = column[i].as_deref() == Some("paper");
-            assert!(
-                of_the_paper || exactly.contains(&value.to_bits()),
-                "{place}"
-            );
+            assert!(of_the_paper || exactly.contains(&value.to_bits()), "{place}");
         }
         if table == "descriptives" {
             let is = |d: &&Value| {
@@ -321,16 +279,8 @@ fn every_number_of_a_manuscript_is_one_of_the_analysis() {
                 );
                 Some(id.as_str()) == row[i].as_deref()
             };
-            let described = analysis["descriptives"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .find(is)
-                .unwrap();
-            assert_eq!(
-                described[column[i].as_deref().unwrap()].as_f64(),
-                Some(value)
-            );
+            let described = analysis["descriptives"].as_array().unwrap().iter().find(is).unwrap();
+            assert_eq!(described[column[i].as_deref().unwrap()].as_f64(), Some(value));
         }
     }
     assert!(tables.len() > 5, "{tables:?}");
@@ -361,14 +311,9 @@ fn every_test_stands_in_the_results_and_in_a_table_with_a_number_a_cell() {
     assert_eq!(omnibus.columns(), heads);
     assert_eq!(omnibus.rows(), panels.len());
     let contrasts = Table::read(&run().path("reports/smoke/tables/contrasts.csv")).unwrap();
-    let (first, second) = (
-        contrasts.text("first").unwrap(),
-        contrasts.text("second").unwrap(),
-    );
-    let (outcome, statistic) = (
-        contrasts.text("outcome").unwrap(),
-        contrasts.numbers("statistic").unwrap(),
-    );
+    let (first, second) = (contrasts.text("first").unwrap(), contrasts.text("second").unwrap());
+    let (outcome, statistic) =
+        (contrasts.text("outcome").unwrap(), contrasts.numbers("statistic").unwrap());
     let mut at = 0;
     for (i, panel) in panels.iter().enumerate() {
         let title = panel["title"].as_str().unwrap();
@@ -379,11 +324,7 @@ fn every_test_stands_in_the_results_and_in_a_table_with_a_number_a_cell() {
             found["statistic"].as_f64(),
             "{title}"
         );
-        assert_eq!(
-            omnibus.numbers("p").unwrap()[i],
-            found["p"].as_f64(),
-            "{title}"
-        );
+        assert_eq!(omnibus.numbers("p").unwrap()[i], found["p"].as_f64(), "{title}");
         for pair in panel["contrasts"].as_array().unwrap() {
             let id = [&outcome[at], &first[at], &second[at]].map(|id| id.clone().unwrap());
             let of_pair = [&panel["outcome"], &pair["first"], &pair["second"]]
@@ -393,13 +334,9 @@ fn every_test_stands_in_the_results_and_in_a_table_with_a_number_a_cell() {
             if let Some(difference) = pair["mean_difference"].as_f64() {
                 // With two decimals, or three where people differ by less than a tenth.
                 let written = written(difference);
-                let mut said = [8, 11]
-                    .map(|at| format!("mean difference {}, ", written[at]))
-                    .into_iter();
-                assert!(
-                    said.any(|said| results.contains(&said)),
-                    "{difference} of {id:?}"
-                );
+                let mut said =
+                    [8, 11].map(|at| format!("mean difference {}, ", written[at])).into_iter();
+                assert!(said.any(|said| results.contains(&said)), "{difference} of {id:?}");
             }
             at += 1;
         }
@@ -411,10 +348,8 @@ fn every_test_stands_in_the_results_and_in_a_table_with_a_number_a_cell() {
 fn a_drive_as_csv_has_its_rows_and_names_no_lead_where_nobody_is_there() {
     let study = run();
     let drives = study.path("study_data/generated/smoke/drives/study2");
-    let drive = files(&drives)
-        .into_iter()
-        .find(|p| p.extension().is_some_and(|e| e == "parquet"))
-        .unwrap();
+    let drive =
+        files(&drives).into_iter().find(|p| p.extension().is_some_and(|e| e == "parquet")).unwrap();
     let out = study.path("drive.csv");
     let [from, to] = [&drive, &out].map(|path| path.to_str().unwrap());
     study.maveric(&["inspect", from, "--csv", to]).ok();
@@ -423,16 +358,8 @@ fn a_drive_as_csv_has_its_rows_and_names_no_lead_where_nobody_is_there() {
     let entry = entry_at("drives/study2/x.parquet").unwrap();
     let columns: Vec<&str> = entry.always().collect();
     assert_eq!(table.columns(), columns);
-    let (present, gap) = (
-        table.text("lead_present").unwrap(),
-        table.numbers("lead_dx_m").unwrap(),
-    );
-    assert!(
-        present
-            .iter()
-            .zip(&gap)
-            .all(|(p, g)| (p.as_deref() == Some("true")) == g.is_some())
-    );
+    let (present, gap) = (table.text("lead_present").unwrap(), table.numbers("lead_dx_m").unwrap());
+    assert!(present.iter().zip(&gap).all(|(p, g)| (p.as_deref() == Some("true")) == g.is_some()));
 }
 
 #[test]
@@ -460,9 +387,7 @@ fn a_style_reaches_a_figure_of_one_test_and_a_page_and_a_wrong_one_is_refused() 
     assert!(page.contains("#123456") && page.contains("Own style"));
     study.write("bad.toml", "[palette]\nink = \"dark\"\n");
     study
-        .maveric(&argv(
-            "report study_data/generated/smoke --out reports/x --style bad.toml",
-        ))
+        .maveric(&argv("report study_data/generated/smoke --out reports/x --style bad.toml"))
         .failed(1, &["bad.toml", "palette.ink", "#rrggbb"]);
 }
 
@@ -482,10 +407,7 @@ fn the_page_answers_first_and_folds_what_is_behind() {
         "personality",
         "paper",
     ] {
-        assert!(
-            at(&format!("id=\"card-{card}\"")) < at("id=\"contents\""),
-            "{card}"
-        );
+        assert!(at(&format!("id=\"card-{card}\"")) < at("id=\"contents\""), "{card}");
     }
     // Four people: nothing goes with anything.
     assert!(page.contains("too few to say"));

@@ -70,11 +70,7 @@ fn learned(conditions: &str) -> TempStudy {
     let first = text.find("[[condition]]").unwrap();
     let baseline = "\n[baseline]\nid = \"own\"\nlabel = \"Own\"\n";
     let head = &text[..first];
-    let baseline = if head.contains("[baseline]") {
-        ""
-    } else {
-        baseline
-    };
+    let baseline = if head.contains("[baseline]") { "" } else { baseline };
     study.write("mine/study.toml", format!("{head}{baseline}{conditions}"));
     study.write("mine/consent.md", "You may leave at any time.");
     study.write("mine/scales/calm.toml", CALM);
@@ -109,10 +105,7 @@ fn opened_with(folder: &Path, model: Option<Vec<u8>>) -> Server {
         model,
         ..settings
     };
-    Server::of(
-        Seat::open(&folder.join("seat/seat.db"), settings).unwrap(),
-        |_| {},
-    )
+    Server::of(Seat::open(&folder.join("seat/seat.db"), settings).unwrap(), |_| {})
 }
 
 #[test]
@@ -120,11 +113,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     let study = learned(CONDITIONS);
     let folder = study.path("mine");
     // What the helper reads where a model of the laboratory's rides.
-    std::fs::copy(
-        folder.join("results/model.maveric"),
-        folder.join("lab.maveric"),
-    )
-    .unwrap();
+    std::fs::copy(folder.join("results/model.maveric"), folder.join("lab.maveric")).unwrap();
     let model =
         model_file::from_bytes(&std::fs::read(folder.join("lab.maveric")).unwrap()).unwrap();
     let model = Rc::new(model);
@@ -134,10 +123,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     let people = speeds.map(|speed| (speed, None));
     // A fifth stops in the first ride.
     for (speed, stops) in people.into_iter().chain([(30.0, unwell)]) {
-        let person = Script {
-            stops,
-            ..driver(&model, speed)
-        };
+        let person = Script { stops, ..driver(&model, speed) };
         let token = seat::opened(&server);
         while person.go_on(&server, &token) {}
         assert_eq!(server.state(&token)["ended"], "done");
@@ -172,10 +158,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
                 row.condition
             );
         }
-        assert_eq!(
-            row.angle_rad.is_some(),
-            row.condition.as_str() == "perpendicular"
-        );
+        assert_eq!(row.angle_rad.is_some(), row.condition.as_str() == "perpendicular");
     }
     // Across is somewhere else than the own style, at an angle of one's own.
     let mut angles: Vec<f64> = placed.iter().filter_map(|row| row.angle_rad).collect();
@@ -191,12 +174,7 @@ fn the_papers_four_conditions_are_ridden_from_consent_to_page() {
     }
     let measured = study.read("mine/results/rating_scores.csv");
     for condition in ["mimic", "aggressive", "cautious", "perpendicular"] {
-        assert_eq!(
-            measured
-                .matches(&format!(",{condition},calm,total,"))
-                .count(),
-            speeds.len()
-        );
+        assert_eq!(measured.matches(&format!(",{condition},calm,total,")).count(), speeds.len());
     }
     // The ride that was stopped is counted, with its condition and the reason.
     let analysis = analysis(&study);
@@ -275,10 +253,7 @@ fn two_are_learned_from(study: &TempStudy, folder: &Path) {
 fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for_the_study_alone() {
     let study = learned(MINE_OR_ANOTHERS);
     let folder = study.path("mine");
-    study.write(
-        "mine/debrief.md",
-        "One of the two cars drove in somebody else's style.",
-    );
+    study.write("mine/debrief.md", "One of the two cars drove in somebody else's style.");
     let which = include_str!("../study_data/further_scales/which.toml");
     study.write("mine/scales/which.toml", which);
     let model = folder.join("results/model.maveric");
@@ -313,12 +288,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
         // The first eleven ride in styles that the model learned from; then there are ten others who lend theirs.
         let donor = row.lent.donor.as_str();
         let tested = donor.starts_with('P') && donor != "P001-own";
-        assert!(
-            !row.lent
-                .donor
-                .as_str()
-                .starts_with(row.participant.as_str())
-        );
+        assert!(!row.lent.donor.as_str().starts_with(row.participant.as_str()));
         assert_eq!(tested, place >= 11, "{row:?}");
         assert!(!["P002-own", "P004-own"].contains(&donor), "{row:?}");
     }
@@ -331,10 +301,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     drop(server);
     study.mine("run --set epochs=2").ok();
     let placed = read_conditions(&folder.join("results/conditions.csv")).unwrap();
-    let placed: Vec<_> = placed
-        .iter()
-        .filter(|row| row.condition.as_str() == "other")
-        .collect();
+    let placed: Vec<_> = placed.iter().filter(|row| row.condition.as_str() == "other").collect();
     assert_eq!(placed.len(), lent.len());
     for (placed, lent) in placed.into_iter().zip(&lent) {
         assert_eq!(placed.participant, lent.participant);
@@ -354,18 +321,12 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     // All say the same of the two rides, and half of them rode in their own style first: half are right.
     let analysis = analysis(&study);
     let which = &analysis["which"];
-    assert_eq!(
-        (&which["all"]["n"], &which["all"]["correct"]),
-        (&12.into(), &6.into())
-    );
+    assert_eq!((&which["all"]["n"], &which["all"]["correct"]), (&12.into(), &6.into()));
     let mut right = [0, 1].map(|place| which["by_place"][place]["correct"].as_u64().unwrap());
     right.sort_unstable();
     assert_eq!(right, [0, 6]);
     let without = &analysis["sensitivity"][0];
-    assert_eq!(
-        (&without["items"][0], &without["n"][1]),
-        (&2.into(), &12.into())
-    );
+    assert_eq!((&without["items"][0], &without["n"][1]), (&2.into(), &12.into()));
     let scores = study.read("mine/results/rating_scores.csv");
     assert!(scores.contains(",calm,total_without_2,"), "{scores}");
     let items = study.read("mine/results/rating_scores_item_means.csv");
@@ -378,9 +339,7 @@ fn somebody_elses_style_is_ridden_at_ones_own_score_and_whose_it_was_is_kept_for
     study.mine(export).ok();
     let given = study.read("mine/given/seat/lent.csv");
     assert_eq!(given.lines().count(), 13);
-    let ids = lent
-        .iter()
-        .flat_map(|row| [row.lent.donor.as_str(), row.participant.as_str()]);
+    let ids = lent.iter().flat_map(|row| [row.lent.donor.as_str(), row.participant.as_str()]);
     for id in ids {
         assert!(!given.contains(id), "{id}: {given}");
     }

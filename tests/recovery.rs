@@ -10,28 +10,20 @@ fn velocities(csv: &str) -> BTreeMap<(String, String), f64> {
     let mut lines = csv.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
-    let (who, condition, speed) = (
-        column("participant"),
-        column("condition"),
-        column("mean_velocity_mps"),
-    );
+    let (who, condition, speed) =
+        (column("participant"), column("condition"), column("mean_velocity_mps"));
     lines
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();
-            (
-                (cells[who].to_owned(), cells[condition].to_owned()),
-                cells[speed].parse().unwrap(),
-            )
+            ((cells[who].to_owned(), cells[condition].to_owned()), cells[speed].parse().unwrap())
         })
         .collect()
 }
 
 fn correlation(pairs: &[(f64, f64)]) -> f64 {
     let n = pairs.len() as f64;
-    let (mx, my) = (
-        pairs.iter().map(|p| p.0).sum::<f64>() / n,
-        pairs.iter().map(|p| p.1).sum::<f64>() / n,
-    );
+    let (mx, my) =
+        (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
     let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
     let xy = sum(&|p| (p.0 - mx) * (p.1 - my));
     xy / (sum(&|p| (p.0 - mx).powi(2)) * sum(&|p| (p.1 - my).powi(2))).sqrt()
@@ -47,10 +39,7 @@ fn one_participant_is_watched(study: &TempStudy) {
         .skip(1)
         .map(|rest| rest.split_once('<').unwrap().0)
         .collect();
-    assert_eq!(
-        labels,
-        ["Own", "Mimic", "Aggressive", "Cautious", "Perpendicular"]
-    );
+    assert_eq!(labels, ["Own", "Mimic", "Aggressive", "Cautious", "Perpendicular"]);
     assert!(page.contains("Synthetic participants."));
     let has = |path: &str, topic: &[u8]| {
         let log = read(path);
@@ -92,45 +81,21 @@ fn the_car_drives_like_its_owner_and_the_dial_turns_the_right_way() {
     run("measure --drives d/drives/study2 --drives d/av/drives --out d/measurements.csv");
 
     let found = velocities(&study.read("d/measurements.csv"));
-    let people: Vec<&String> = found
-        .keys()
-        .filter(|k| k.1 == "own")
-        .map(|k| &k.0)
-        .collect();
+    let people: Vec<&String> = found.keys().filter(|k| k.1 == "own").map(|k| &k.0).collect();
     assert_eq!(people.len(), 8);
     let speed = |who: &String, condition: &str| found[&(who.clone(), condition.to_owned())];
-    let pairs: Vec<(f64, f64)> = people
-        .iter()
-        .map(|p| (speed(p, "own"), speed(p, "mimic")))
-        .collect();
-    assert!(
-        correlation(&pairs) > 0.7,
-        "mimic follows its owner: {pairs:?}"
-    );
+    let pairs: Vec<(f64, f64)> =
+        people.iter().map(|p| (speed(p, "own"), speed(p, "mimic"))).collect();
+    assert!(correlation(&pairs) > 0.7, "mimic follows its owner: {pairs:?}");
     let ordered = people.iter().filter(|p| {
         speed(p, "aggressive") > speed(p, "mimic") - 0.05
             && speed(p, "mimic") > speed(p, "cautious") - 0.05
     });
-    assert!(
-        ordered.count() >= 6,
-        "aggressive, mimic, cautious in that order: {found:?}"
-    );
+    assert!(ordered.count() >= 6, "aggressive, mimic, cautious in that order: {found:?}");
 
     let rollouts = study.read("d/av/rollouts.csv");
-    let at = rollouts
-        .lines()
-        .next()
-        .unwrap()
-        .split(',')
-        .position(|h| h == "collisions")
-        .unwrap();
-    assert!(
-        rollouts
-            .lines()
-            .skip(1)
-            .all(|l| l.split(',').nth(at) == Some("0")),
-        "{rollouts}"
-    );
+    let at = rollouts.lines().next().unwrap().split(',').position(|h| h == "collisions").unwrap();
+    assert!(rollouts.lines().skip(1).all(|l| l.split(',').nth(at) == Some("0")), "{rollouts}");
 }
 
 /// Whoever reads as no score of the scale keeps the own style and has no dial, unless asked for.
@@ -157,9 +122,8 @@ fn nobody_whom_the_scale_does_not_have_is_turned(study: &TempStudy) {
         let ran = study.maveric(&[&call[..], flags].concat()).ok();
         let table = study.read("d/far_conditions.csv");
         let theirs = table.lines().filter(|line| line.starts_with("S2P02,"));
-        let theirs: Vec<String> = theirs
-            .map(|line| line.split(',').nth(1).unwrap().to_owned())
-            .collect();
+        let theirs: Vec<String> =
+            theirs.map(|line| line.split(',').nth(1).unwrap().to_owned()).collect();
         (ran.stderr, theirs, table.lines().count())
     };
     let (told, theirs, rows) = steered(&[]);
@@ -238,30 +202,21 @@ fn a_lent_style_has_the_riders_score(study: &TempStudy) {
         let head: Vec<&str> = lines.next().unwrap().split(',').collect();
         let row = |line: &str| {
             let cells = head.iter().zip(line.split(','));
-            cells
-                .map(|(name, cell)| ((*name).to_owned(), cell.to_owned()))
-                .collect()
+            cells.map(|(name, cell)| ((*name).to_owned(), cell.to_owned())).collect()
         };
         (ran.stderr, lines.map(row).collect())
     };
-    for (from, people, donors) in [
-        ("learned", 8, "S1P"),
-        ("tested", 8, "S1P"),
-        ("tested", 16, "S2P"),
-    ] {
+    for (from, people, donors) in
+        [("learned", 8, "S1P"), ("tested", 8, "S1P"), ("tested", 16, "S2P")]
+    {
         let (told, rows) = lent(from, people);
-        let rides = rows
-            .iter()
-            .filter(|row| row["condition"] == "perpendicular");
+        let rides = rows.iter().filter(|row| row["condition"] == "perpendicular");
         let mut reached = 0;
         let mut drawn = BTreeMap::new();
         for row in rides {
             let (who, donor) = (&row["participant"], &row["donor"]);
             let number = |name: &str| row[name].parse::<f64>().unwrap();
-            assert!(
-                donor.starts_with(donors) && !donor.starts_with(who.as_str()),
-                "{row:?}"
-            );
+            assert!(donor.starts_with(donors) && !donor.starts_with(who.as_str()), "{row:?}");
             assert!(number("moved_points").abs() < 1e-9, "{row:?}");
             let within = number("donor_shift_points").abs() <= 8.0
                 && (0.7..=2.5).contains(&number("donor_distance_sd"));
@@ -270,15 +225,11 @@ fn a_lent_style_has_the_riders_score(study: &TempStudy) {
             *drawn.entry(donor.clone()).or_insert(0) += 1;
         }
         assert_eq!(drawn.values().sum::<usize>(), people);
-        assert!(
-            reached > people / 2 && drawn.len() > people / 3,
-            "{reached} {drawn:?}"
-        );
+        assert!(reached > people / 2 && drawn.len() > people / 3, "{reached} {drawn:?}");
         let missed = format!("nobody within reach of {} of {people}", people - reached);
         assert_eq!(told.contains(&missed), reached < people, "{told}");
         assert!(
-            rows.iter()
-                .all(|row| (row["condition"] == "perpendicular") != row["donor"].is_empty())
+            rows.iter().all(|row| (row["condition"] == "perpendicular") != row["donor"].is_empty())
         );
     }
 }

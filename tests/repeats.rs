@@ -65,11 +65,7 @@ fn difference(analysis: &Value, outcome: &str) -> f64 {
     let panel = panel(analysis, outcome).unwrap();
     assert_eq!(panel["n"], PEOPLE.len(), "{panel}");
     let contrast = &panel["contrasts"][0];
-    let sign = if contrast["first"] == "sporty" {
-        1.0
-    } else {
-        -1.0
-    };
+    let sign = if contrast["first"] == "sporty" { 1.0 } else { -1.0 };
     sign * contrast["mean_difference"].as_f64().unwrap()
 }
 
@@ -113,10 +109,7 @@ fn rides_of_mapped_logs_are_averaged_within_the_first_session_and_each_is_left_o
     let without = difference(&analysis(&study), "mean_velocity_mps");
     assert!((without - (27.0 - 1.0) / 4.0).abs() < 1e-6, "{without}");
     let scores = study.read("mine/results/rating_scores.csv");
-    assert!(
-        !scores.contains("P01,calm,1,1,") && scores.contains("P01,calm,1,2,"),
-        "{scores}"
-    );
+    assert!(!scores.contains("P01,calm,1,1,") && scores.contains("P01,calm,1,2,"), "{scores}");
 }
 
 #[test]
@@ -132,12 +125,7 @@ fn what_is_given_away_says_of_which_session_and_ride_an_answer_is() {
     );
     let given = std::fs::read_dir(study.path("mine/given/logs")).unwrap();
     let given = given.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    assert_eq!(
-        given
-            .filter(|name| name.ends_with("calm_s2_t2.mcap"))
-            .count(),
-        PEOPLE.len()
-    );
+    assert_eq!(given.filter(|name| name.ends_with("calm_s2_t2.mcap")).count(), PEOPLE.len());
 }
 
 #[test]
@@ -153,10 +141,9 @@ fn a_ride_too_many_is_left_out_by_name_and_a_number_that_is_none_is_refused_with
         ran.stderr
     );
     study.write("mine/logs/P01-calm-s0-t1.csv", table(100.0, 30.0, "calm"));
-    study.mine("ingest logs/P01-calm-s0-t1.csv --out d").failed(
-        1,
-        &["P01-calm-s0-t1.csv", "session `0`", "a whole number from 1"],
-    );
+    study
+        .mine("ingest logs/P01-calm-s0-t1.csv --out d")
+        .failed(1, &["P01-calm-s0-t1.csv", "session `0`", "a whole number from 1"]);
 }
 
 #[test]
@@ -192,10 +179,7 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     assert_eq!(logs.len(), 3 * 2, "{logs:?}");
-    assert!(
-        logs.contains("S2P01-own.mcap") && logs.contains("S2P01-own_s2_t1.mcap"),
-        "{logs:?}"
-    );
+    assert!(logs.contains("S2P01-own.mcap") && logs.contains("S2P01-own_s2_t1.mcap"), "{logs:?}");
     let run = "run --set epochs=2 --set duration=120";
     study.mine(run).ok();
     // A style a person and condition, of the first session's drive; four rides in each.
@@ -214,15 +198,9 @@ fn made_up_people_come_twice_and_ride_twice_in_each_condition_each_time_in_anoth
         "{ratings}"
     );
     // During each ride of two minutes three questions are asked whose answers can come in time.
-    let asked: Vec<&str> = ratings
-        .lines()
-        .filter(|row| row.contains(",probe,"))
-        .collect();
+    let asked: Vec<&str> = ratings.lines().filter(|row| row.contains(",probe,")).collect();
     assert_eq!(asked.len(), 3 * 2 * 4 * 3);
-    let at: BTreeSet<&str> = asked
-        .iter()
-        .map(|row| row.rsplit(',').next().unwrap())
-        .collect();
+    let at: BTreeSet<&str> = asked.iter().map(|row| row.rsplit(',').next().unwrap()).collect();
     assert_eq!(at, BTreeSet::from(["30.0", "60.0", "90.0"]));
     Page::read(&study.path("mine/report/index.html")).says(&["Trust", "Calm and Sporty"]);
     let manuscript = |file: &str| study.read(&format!("mine/report/manuscript/{file}"));

@@ -14,10 +14,7 @@ fn shipped(folder: &str, is_one: impl Fn(&Value) -> bool) -> Vec<(String, Value)
     let toml = files.filter(|path| path.extension().is_some_and(|end| end == "toml"));
     let read = |path: std::path::PathBuf| {
         let text = std::fs::read_to_string(&path).unwrap();
-        (
-            path.display().to_string(),
-            toml::from_str::<Value>(&text).unwrap(),
-        )
+        (path.display().to_string(), toml::from_str::<Value>(&text).unwrap())
     };
     toml.map(read).filter(|(_, value)| is_one(value)).collect()
 }
@@ -36,23 +33,16 @@ fn shipped_designs_keep_to_the_printed_schema() {
     assert!(wrong(json!({})), "without [study]");
     assert!(wrong(json!({"study": {"titel": "t"}})));
     assert!(wrong(json!({"study": {"title": 1}})));
-    assert!(wrong(
-        json!({"study": {"title": "t"}, "protocol": {"world": "mine"}})
-    ));
-    assert!(wrong(
-        json!({"study": {"title": "t"}, "style": {"score": "a.b", "range": [1]}})
-    ));
-    assert!(wrong(
-        json!({"study": {"title": "t"}, "protocol": {"rides_per_condition": 0}})
-    ));
+    assert!(wrong(json!({"study": {"title": "t"}, "protocol": {"world": "mine"}})));
+    assert!(wrong(json!({"study": {"title": "t"}, "style": {"score": "a.b", "range": [1]}})));
+    assert!(wrong(json!({"study": {"title": "t"}, "protocol": {"rides_per_condition": 0}})));
 }
 
 #[test]
 fn shipped_pipelines_keep_to_the_printed_schema() {
     let schema = printed("graph --format schema");
-    let pipelines = shipped("pipelines", |file| {
-        file.get("stage").or(file.get("extends")).is_some()
-    });
+    let pipelines =
+        shipped("pipelines", |file| file.get("stage").or(file.get("extends")).is_some());
     assert!(pipelines.len() > 5);
     for (path, pipeline) in pipelines {
         assert_eq!(fault(&schema, &pipeline, &path), None);
@@ -61,9 +51,7 @@ fn shipped_pipelines_keep_to_the_printed_schema() {
     let wrong = |pipeline: Value| fault(&schema, &pipeline, "").is_some();
     assert!(!wrong(json!({"name": "p", "stage": [stage]})));
     assert!(wrong(json!({"name": "p"})), "no stage");
-    assert!(wrong(
-        json!({"name": "p", "stage": [stage], "fetch": {"a": "s3://b"}})
-    ));
+    assert!(wrong(json!({"name": "p", "stage": [stage], "fetch": {"a": "s3://b"}})));
 }
 
 #[test]
@@ -116,11 +104,7 @@ fn fault(schema: &Value, value: &Value, at: &str) -> Option<String> {
     let says = |what: &str| Some(format!("{at}: {value} is not of {what}"));
     for (rule, asked) in rules {
         let alternatives = || asked.as_array().into_iter().flatten();
-        let fit = || {
-            alternatives()
-                .filter(|one| fault(one, value, at).is_none())
-                .count()
-        };
+        let fit = || alternatives().filter(|one| fault(one, value, at).is_none()).count();
         let number = || value.as_f64().zip(asked.as_f64());
         let count = || value.as_array().zip(asked.as_u64());
         let holds = match rule.as_str() {
@@ -161,9 +145,7 @@ fn fault(schema: &Value, value: &Value, at: &str) -> Option<String> {
         let each = list.iter().enumerate();
         each.map(move |(i, one)| fault(schema, one, &format!("{at}[{i}]")))
     });
-    in_object
-        .find_map(|found| found)
-        .or_else(|| in_list.find_map(|found| found))
+    in_object.find_map(|found| found).or_else(|| in_list.find_map(|found| found))
 }
 
 fn is_of(value: &Value, kind: &Value) -> bool {

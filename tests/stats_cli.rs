@@ -25,19 +25,13 @@ fn json(study: &TempStudy, line: &str, table: &str) -> serde_json::Value {
 fn a_table_that_is_no_design_is_refused_with_its_own_message() {
     let study = TempStudy::new();
     for (table, words) in [
-        (
-            "s,w,v\na,x,1\na,y,2\n",
-            &["1 complete subject", "at least 2"][..],
-        ),
+        ("s,w,v\na,x,1\na,y,2\n", &["1 complete subject", "at least 2"][..]),
         ("s,w,v\na,x,1\nb,x,2\n", &["1 condition", "at least 2"]),
         (
             "s,w,v\na,x,1\na,x,3\na,y,2\nb,x,2\nb,y,4\n",
             &["subject `a`", "condition `x`", "two values"],
         ),
-        (
-            "s,w,v\na,x,1\na,y,fast\nb,x,2\nb,y,4\n",
-            &["d.csv", "fast", "`v`"],
-        ),
+        ("s,w,v\na,x,1\na,y,fast\nb,x,2\nb,y,4\n", &["d.csv", "fast", "`v`"]),
         ("s,w,v\na,x,1\na,y,inf\nb,x,2\nb,y,4\n", &["inf"]),
         ("s,w,v\na,x,1\na,y,-1e400\nb,x,2\nb,y,4\n", &["finite"]),
         ("s,w,v\n", &["d.csv", "no rows"]),
@@ -54,15 +48,9 @@ fn a_table_that_is_no_design_is_refused_with_its_own_message() {
 fn answers_with_yes_or_no_are_read_in_words_and_numbers_and_nothing_else() {
     let study = TempStudy::new();
     let mut rows = "s,w,v\n".to_owned();
-    for (who, (x, y)) in [
-        ("Yes", "no"),
-        ("1", "0"),
-        ("true", "FALSE"),
-        ("y", "n"),
-        ("no", "no"),
-    ]
-    .into_iter()
-    .enumerate()
+    for (who, (x, y)) in [("Yes", "no"), ("1", "0"), ("true", "FALSE"), ("y", "n"), ("no", "no")]
+        .into_iter()
+        .enumerate()
     {
         let _ = write!(rows, "p{who},x,{x}\np{who},y,{y}\n");
     }
@@ -77,12 +65,8 @@ fn answers_with_yes_or_no_are_read_in_words_and_numbers_and_nothing_else() {
     assert_eq!(q["pairs"]["x|y"]["p_holm"], test["p_mid"]);
     let said = within(&study, "mcnemar", &rows).ok().stdout;
     assert!(said.contains("4 against 0"), "{said}");
-    within(
-        &study,
-        "mcnemar",
-        &rows.replace("TRUE", "maybe").replace("true", "maybe"),
-    )
-    .failed(1, &["d.csv: row 5, column `v`", "maybe", "yes or no"]);
+    within(&study, "mcnemar", &rows.replace("TRUE", "maybe").replace("true", "maybe"))
+        .failed(1, &["d.csv: row 5, column `v`", "maybe", "yes or no"]);
     let wide = "who,x,y\na,yes,no\nb,no,no\nc,true,FALSE\nd,1,0\n";
     for call in ["mcnemar", "cochran-q"] {
         let found = json(&study, &format!("{call} --wide x,y"), wide);
@@ -116,10 +100,7 @@ fn constant_data_have_reasons_and_no_numbers() {
     for (part, name) in [("rm_anova", "F"), ("friedman", "chi2"), ("mauchly", "W")] {
         assert!(value[part][name].is_null(), "{part}.{name}");
         let said = |key: &str| value["undefined"][key].is_string();
-        assert!(
-            said(part) || said(&format!("{part}.{name}")),
-            "{part}.{name}"
-        );
+        assert!(said(part) || said(&format!("{part}.{name}")), "{part}.{name}");
     }
     let ran = within(&study, "compare", table).ok();
     assert!(ran.stdout.contains("No value (–)"), "{}", ran.stdout);
@@ -129,15 +110,10 @@ fn constant_data_have_reasons_and_no_numbers() {
 fn the_report_of_a_comparison_says_what_why_and_how_much() {
     let study = TempStudy::new();
     let mut table = String::from("s,w,v\n");
-    for (i, row) in [
-        [1.0, 4.0, 2.0],
-        [2.0, 6.0, 3.0],
-        [3.0, 6.5, 3.5],
-        [1.5, 5.0, 4.0],
-        [2.5, 5.0, 2.0],
-    ]
-    .iter()
-    .enumerate()
+    for (i, row) in
+        [[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [3.0, 6.5, 3.5], [1.5, 5.0, 4.0], [2.5, 5.0, 2.0]]
+            .iter()
+            .enumerate()
     {
         for (condition, value) in ["slow", "fast", "other"].iter().zip(row) {
             let _ = writeln!(table, "P{i},{condition},{value}");
@@ -154,24 +130,13 @@ fn the_report_of_a_comparison_says_what_why_and_how_much() {
         "95% CI",
         "p adjusted",
     ] {
-        assert!(
-            ran.stdout.contains(words),
-            "no `{words}` in\n{}",
-            ran.stdout
-        );
+        assert!(ran.stdout.contains(words), "no `{words}` in\n{}", ran.stdout);
     }
     // Columns line up: every row of the pairs is as wide as the header says or narrower.
-    let rows: Vec<&str> = ran
-        .stdout
-        .lines()
-        .filter(|line| line.contains('|') && line.ends_with(']'))
-        .collect();
+    let rows: Vec<&str> =
+        ran.stdout.lines().filter(|line| line.contains('|') && line.ends_with(']')).collect();
     assert_eq!(rows.len(), 3);
-    assert!(
-        rows.iter()
-            .all(|row| row.chars().count() == rows[0].chars().count()),
-        "{rows:?}"
-    );
+    assert!(rows.iter().all(|row| row.chars().count() == rows[0].chars().count()), "{rows:?}");
 }
 
 #[test]
@@ -180,23 +145,9 @@ fn the_correction_of_pairs_is_named_as_it_is() {
     let table = "s,w,v\na,x,1\na,y,2\na,z,5\nb,x,2\nb,y,4\nb,z,5\nc,x,1\nc,y,3\nc,z,4\nd,x,2\nd,y,3\nd,z,6\n";
     let call = |more: &str| json(&study, &format!("posthoc {WITHIN} {more}"), table);
     let said = call("--test t --adjust bonferroni");
-    assert!(
-        said["apa"]["x|y"]
-            .as_str()
-            .unwrap()
-            .contains("p_Bonferroni"),
-        "{}",
-        said["apa"]
-    );
+    assert!(said["apa"]["x|y"].as_str().unwrap().contains("p_Bonferroni"), "{}", said["apa"]);
     let said = call("--test nemenyi");
-    assert!(
-        said["apa"]["x|z"]
-            .as_str()
-            .unwrap()
-            .starts_with("q(3, ∞) = "),
-        "{}",
-        said["apa"]
-    );
+    assert!(said["apa"]["x|z"].as_str().unwrap().starts_with("q(3, ∞) = "), "{}", said["apa"]);
 }
 
 /// A score of everybody in every condition.
@@ -278,12 +229,7 @@ fn a_refusal_says_what_shape_was_found_and_what_might_be_meant() {
     ];
     stats(&study, &format!("compare {SCORE}"), WIDE).failed(1, &words);
     let call = "compare --subject group --within condition --value score";
-    let words = [
-        "subject `a`",
-        "two values",
-        "15 rows",
-        "`id` (text, 5 different)",
-    ];
+    let words = ["subject `a`", "two values", "15 rows", "`id` (text, 5 different)"];
     stats(&study, call, SCORES).failed(1, &words);
     // A long table that was read as one, and a call that takes no conditions, are not told of wide columns.
     for (call, table) in [
@@ -332,10 +278,7 @@ fn small_units_and_values_far_from_zero_keep_the_digits_that_tell_them_apart() {
     assert!(said.contains("90% CI [−0.000"), "{said}");
     let call = "bootstrap --statistic mean --value v --apa";
     let said = stats(&study, call, &small).ok().stdout;
-    assert!(
-        said.contains("estimate 0.00") && !said.contains("0.00,"),
-        "{said}"
-    );
+    assert!(said.contains("estimate 0.00") && !said.contains("0.00,"), "{said}");
     let text = within(&study, "compare", &far).ok().stdout;
     let mean = |name: &str| {
         let row = text.lines().find(|line| line.trim().starts_with(name));
@@ -370,10 +313,7 @@ fn the_sentence_alone_and_the_tables_of_a_paper() {
         ran.ok().stdout
     };
     let said = with("--apa");
-    assert!(
-        said.starts_with("F(1.42, 5.67) = ") && said.lines().count() == 1,
-        "{said}"
-    );
+    assert!(said.starts_with("F(1.42, 5.67) = ") && said.lines().count() == 1, "{said}");
     let latex = with("--latex");
     assert!(
         latex.contains("\\begin{tabularx}{\\linewidth}{>{\\raggedright\\arraybackslash}Xrrrrr}")
@@ -401,10 +341,7 @@ fn a_figure_is_drawn_where_there_is_something_to_draw_and_refused_by_name_elsewh
     ] {
         stats(&study, &format!("{call} --figure out/f.svg"), SCORES).ok();
         let drawn = study.read("out/f.svg");
-        assert!(
-            drawn.starts_with("<svg") || drawn.starts_with("<?xml"),
-            "{call}"
-        );
+        assert!(drawn.starts_with("<svg") || drawn.starts_with("<?xml"), "{call}");
         assert!(drawn.contains("font-face"), "{call}: no font inside");
     }
     let drawn = |name: &str| stats(&study, &format!("compare {SCORE} --figure {name}"), SCORES);
@@ -484,21 +421,12 @@ fn every_column(cells: usize) -> String {
 fn every_call_says_which_columns_it_needs_and_its_examples_run() {
     let study = TempStudy::new();
     study.write("questions.csv", "test,n,effect,alpha,k,corr,epsilon\npaired_t,24,0.5,0.05,,,\nrm_anova,24,0.1,0.05,4,0.5,1\n");
-    study.write(
-        "printed.csv",
-        "coefficient,df,p\n.46,22,=.024\n-.71,22,<.001\n",
-    );
+    study.write("printed.csv", "coefficient,df,p\n.46,22,=.024\n-.71,22,<.001\n");
     let whole = study.maveric(&["stats", "--help"]).ok().stdout;
-    let listed = whole
-        .lines()
-        .skip_while(|line| !line.starts_with("Commands:"))
-        .skip(1);
+    let listed = whole.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
     let names: Vec<String> = listed
         .take_while(|line| !line.is_empty())
-        .filter_map(|line| {
-            line.strip_prefix("  ")
-                .filter(|rest| !rest.starts_with(' '))
-        })
+        .filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')))
         .filter_map(|line| line.split_whitespace().next().map(str::to_owned))
         .filter(|name| !["help", "paper", "study"].contains(&name.as_str()))
         .collect();
@@ -515,10 +443,8 @@ fn every_call_says_which_columns_it_needs_and_its_examples_run() {
         assert!(!examples.is_empty(), "{name} has no example:\n{help}");
         for example in examples {
             assert_eq!(&example[0], name);
-            let call: Vec<&str> = ["stats"]
-                .into_iter()
-                .chain(example.iter().map(String::as_str))
-                .collect();
+            let call: Vec<&str> =
+                ["stats"].into_iter().chain(example.iter().map(String::as_str)).collect();
             study.maveric(&call).ok();
         }
     }

@@ -9,14 +9,10 @@ fn table() -> String {
     let mut text = String::from("id,vehicle,style,load,age,score,speed,answer\n");
     let mut power = 5_i32;
     for i in 0..16 {
-        for (j, (style, load)) in [
-            ("calm", "low"),
-            ("calm", "high"),
-            ("sporty", "low"),
-            ("sporty", "high"),
-        ]
-        .into_iter()
-        .enumerate()
+        for (j, (style, load)) in
+            [("calm", "low"), ("calm", "high"), ("sporty", "low"), ("sporty", "high")]
+                .into_iter()
+                .enumerate()
         {
             // 5 is a primitive root of 97: no order, no ties.
             power = power * 5 % 97;
@@ -114,10 +110,7 @@ fn a_declared_product_with_a_covariate_is_tested_and_one_with_nothing_is_refused
     let compare = "compare --subject id --within style,load --value score --covariate age";
     let plain = json(&study, compare);
     assert!(plain["tests"]["age:style"].is_null() && plain["tests"]["style"].is_object());
-    let declared = json(
-        &study,
-        &format!("{compare} --with age:style,age:style:load"),
-    );
+    let declared = json(&study, &format!("{compare} --with age:style,age:style:load"));
     for effect in ["age:style", "age:style:load"] {
         assert!(declared["tests"][effect]["p"].is_number(), "{effect}");
     }
@@ -137,12 +130,7 @@ fn ordered_answers_print_the_f_that_decides() {
     let found = json(&study, compare);
     let test = &found["small_sample"];
     let out = call(&study, compare, &[]).ok();
-    let f = format!(
-        "F({}, {}) = {:.2}",
-        test["df1"],
-        test["df2"],
-        test["F"].as_f64().unwrap()
-    );
+    let f = format!("F({}, {}) = {:.2}", test["df1"], test["df2"], test["F"].as_f64().unwrap());
     assert!(out.stdout.contains(&f), "{f}: {}", out.stdout);
     assert!(!out.stdout.contains("χ²("), "{}", out.stdout);
 }
@@ -154,31 +142,17 @@ fn a_person_without_a_cell_leaves_by_name_or_stays_in_a_mixed_model() {
     let study = with(&(rows.join("\n") + "\n"));
     let compare = "compare --subject id --within style,load --between vehicle --value score";
     let out = call(&study, compare, &[]).ok();
-    assert!(
-        out.stderr.contains("P0") && out.stdout.contains("15 subjects"),
-        "{}",
-        out.stdout
-    );
+    assert!(out.stderr.contains("P0") && out.stdout.contains("15 subjects"), "{}", out.stdout);
     let kept = json(&study, &format!("{compare} --missing mixed"));
     assert_eq!(kept["chosen"], "mixed");
-    assert_eq!(
-        (&kept["n_obs"], &kept["n_subjects"]),
-        (&63.into(), &16.into())
-    );
+    assert_eq!((&kept["n_obs"], &kept["n_subjects"]), (&63.into(), &16.into()));
     let why = kept["reasons"][0].as_str().unwrap();
-    assert!(
-        why.contains("1 of the subjects") && why.contains("are kept"),
-        "{why}"
-    );
+    assert!(why.contains("1 of the subjects") && why.contains("are kept"), "{why}");
 }
 
 /// Each call with a sentence, the beginning of that sentence, and whether there is something to draw.
 const CALLS: [(&str, &str, bool); 11] = [
-    (
-        "factorial --subject id --within style,load --value score",
-        "style: F(1, 15) = ",
-        true,
-    ),
+    ("factorial --subject id --within style,load --value score", "style: F(1, 15) = ", true),
     (
         "factorial --subject id --within style,load --value score --method art",
         "style: F(1, 45) = ",
@@ -189,11 +163,7 @@ const CALLS: [(&str, &str, bool); 11] = [
         "welch_t: t(",
         true,
     ),
-    (
-        "groups --group style --value score --where load=low",
-        "welch_t: t(",
-        true,
-    ),
+    ("groups --group style --value score --where load=low", "welch_t: t(", true),
     (
         "equivalence --subject id --within style --value score --bounds=-1,1 --where load=low",
         "t(15) = ",
@@ -204,23 +174,11 @@ const CALLS: [(&str, &str, bool); 11] = [
         "t(15) = ",
         true,
     ),
-    (
-        "bayes --subject id --within style --value score --where load=low",
-        "BF",
-        true,
-    ),
+    ("bayes --subject id --within style --value score --where load=low", "BF", true),
     ("bayes --value score --mu=3", "BF", false),
     ("bayes --x score --y speed", "BF", true),
-    (
-        "mixed --subject id --fixed style*load+age --value score",
-        "style: F(1, ",
-        true,
-    ),
-    (
-        "ordinal --subject id --within style --value answer",
-        "lr: χ²(1) = ",
-        true,
-    ),
+    ("mixed --subject id --fixed style*load+age --value score", "style: F(1, ", true),
+    ("ordinal --subject id --within style --value answer", "lr: χ²(1) = ", true),
 ];
 
 #[test]
@@ -228,10 +186,7 @@ fn equivalence_counts_values_of_one_sample_and_subjects_of_pairs() {
     let study = with(&table());
     let said = |words: &str| call(&study, words, &["--bounds=-1,1"]).ok().stdout;
     let one = said("equivalence --value score --mu=3");
-    assert!(
-        one.contains(" values") && !one.contains("subjects"),
-        "{one}"
-    );
+    assert!(one.contains(" values") && !one.contains("subjects"), "{one}");
     let pairs = said("equivalence --subject id --within style --value score --where load=low");
     assert!(pairs.contains("tests: 16 subjects"), "{pairs}");
 }
@@ -247,10 +202,7 @@ fn each_analysis_has_its_sentence_its_tables_and_its_figure() {
         let markdown = call(&study, words, &["--markdown"]).ok().stdout;
         assert!(markdown.contains("| --"), "{words}: {markdown}");
         let text = call(&study, words, &[]).ok().stdout;
-        assert!(
-            !text.contains("NaN") && !text.contains("p_anderson"),
-            "{words}: {text}"
-        );
+        assert!(!text.contains("NaN") && !text.contains("p_anderson"), "{words}: {text}");
         let figure = call(&study, words, &["--figure", "f.svg"]);
         if drawn {
             figure.ok();
@@ -270,28 +222,16 @@ fn one_word_means_one_thing_in_every_call() {
             "groups --group vehicle --value score --where style=calm --where load=low",
             ["--group", "--between"],
         ),
-        (
-            "levene --group vehicle --value score",
-            ["--group", "--between"],
-        ),
-        (
-            "normality --group style --value score",
-            ["--group", "--within"],
-        ),
-        (
-            "normality --group vehicle --value score",
-            ["--group", "--between"],
-        ),
+        ("levene --group vehicle --value score", ["--group", "--between"]),
+        ("normality --group style --value score", ["--group", "--within"]),
+        ("normality --group vehicle --value score", ["--group", "--between"]),
         (
             "bayes --group vehicle --value score --where style=calm --where load=low",
             ["--group", "--between"],
         ),
         (
             "mixed --subject id --fixed vehicle*style+age --value score",
-            [
-                "--fixed vehicle*style+age",
-                "--between vehicle --within style --covariate age",
-            ],
+            ["--fixed vehicle*style+age", "--between vehicle --within style --covariate age"],
         ),
         (
             "mixed --subject id --fixed style*load --value score",
@@ -303,19 +243,12 @@ fn one_word_means_one_thing_in_every_call() {
         assert_eq!(json(&study, words), json(&study, &renamed), "{renamed}");
     }
     // A factor is one by its flag, be its levels numbers; in a formula numbers are a covariate.
-    let by_flag = json(
-        &study,
-        "mixed --subject id --within style --between age --value score",
-    );
+    let by_flag = json(&study, "mixed --subject id --within style --between age --value score");
     let by_formula = json(&study, "mixed --subject id --fixed style*age --value score");
     assert!(by_flag["anova"]["age"]["df1"].as_u64().unwrap() > 1);
     assert_eq!(by_formula["anova"]["age"]["df1"], 1);
-    call(
-        &study,
-        "mixed --subject id --fixed style --within style --value score",
-        &[],
-    )
-    .failed(2, &["--fixed", "--within"]);
+    call(&study, "mixed --subject id --fixed style --within style --value score", &[])
+        .failed(2, &["--fixed", "--within"]);
     call(&study, "mixed --subject id --value score", &[]).failed(2, &["--fixed", "--between"]);
     call(&study, "levene --value score", &[]).failed(2, &["--group"]);
 }
@@ -335,10 +268,7 @@ fn bayes_factors_say_of_which_pair_they_are_and_what_was_held_likely_before() {
     assert!(text.contains("8 + 8"), "{text}");
     let correlation = json(&study, "bayes --x score --y speed");
     let sentence = correlation["apa"]["bayes_r"].as_str().unwrap();
-    assert!(
-        sentence.contains("κ = .33); BF") && sentence.contains("κ = 1.00)"),
-        "{sentence}"
-    );
+    assert!(sentence.contains("κ = .33); BF") && sentence.contains("κ = 1.00)"), "{sentence}");
     assert_eq!(correlation["prior_kappa1"]["scale"], 1.0);
 }
 
@@ -346,34 +276,21 @@ fn bayes_factors_say_of_which_pair_they_are_and_what_was_held_likely_before() {
 fn two_factors_are_drawn_as_lines_of_their_means_and_three_as_cells() {
     let study = with(&table());
     for (words, lines) in [
-        (
-            "factorial --subject id --within style,load --value score",
-            true,
-        ),
+        ("factorial --subject id --within style,load --value score", true),
         (
             "compare --subject id --within style --between vehicle --value score --where load=low",
             true,
         ),
         ("mixed --subject id --within style,load --value score", true),
-        (
-            "factorial --subject id --within style,load --between vehicle --value score",
-            false,
-        ),
-        (
-            "factorial --subject id --within style --value score --where load=low",
-            false,
-        ),
+        ("factorial --subject id --within style,load --between vehicle --value score", false),
+        ("factorial --subject id --within style --value score --where load=low", false),
     ] {
         call(&study, words, &["--figure", "f.svg"]).ok();
         let svg = study.read("f.svg");
         assert_eq!(svg.contains(">Means by factor<"), lines, "{words}");
         let emm = json(&study, words)["emm"].as_object().unwrap().clone();
-        for (cell, mean) in emm
-            .get("style:load")
-            .and_then(Value::as_object)
-            .into_iter()
-            .flatten()
-            .filter(|_| lines)
+        for (cell, mean) in
+            emm.get("style:load").and_then(Value::as_object).into_iter().flatten().filter(|_| lines)
         {
             let mean = format!(" {:.2}", mean["mean"].as_f64().unwrap());
             assert!(svg.contains(&mean), "{words}: {cell}{mean}");
@@ -408,31 +325,15 @@ fn what_no_test_can_take_is_refused_by_the_name_of_what_is_wrong() {
         .collect();
     let two_groups = whole.replacen("P0,car", "P0,truck", 1);
     for (table, words, named) in [
-        (
-            each("truck", "car"),
-            factorial,
-            &["factor `vehicle`", "one level, `car`"][..],
-        ),
+        (each("truck", "car"), factorial, &["factor `vehicle`", "one level, `car`"][..]),
         (
             // Nobody in a truck has a calm drive, so that group has no complete subject.
             each("truck,calm,low", "truck,calm,none"),
             factorial,
-            &[
-                "cell `truck`",
-                "no subject with all values",
-                "leave out its level",
-            ],
+            &["cell `truck`", "no subject with all values", "leave out its level"],
         ),
-        (
-            two_groups,
-            factorial,
-            &["subject `P0`", "`truck`", "`car`", "within factor"],
-        ),
-        (
-            twice,
-            mixed,
-            &["`twice`", "determined by the other predictors"],
-        ),
+        (two_groups, factorial, &["subject `P0`", "`truck`", "`car`", "within factor"]),
+        (twice, mixed, &["`twice`", "determined by the other predictors"]),
         (
             each("low", "none"),
             "compare --subject id --within style,load --value score --covariate style",
@@ -481,11 +382,7 @@ fn aged() -> String {
     let mut text = String::from("id,vehicle,style,age,score\n");
     let mut power = 5_i32;
     for i in 0..18 {
-        let (vehicle, age) = if i < 9 {
-            ("car", 60 + i % 7)
-        } else {
-            ("truck", 35 + i % 7)
-        };
+        let (vehicle, age) = if i < 9 { ("car", 60 + i % 7) } else { ("truck", 35 + i % 7) };
         for style in ["calm", "sporty"] {
             power = power * 5 % 97;
             let score = 0.2 * f64::from(age) + f64::from(power) / 200.0;
@@ -513,10 +410,7 @@ fn pairs_and_means_take_out_what_the_test_takes_out() {
     for show in ["", "--latex", "--markdown"] {
         let more: Vec<&str> = show.split_whitespace().collect();
         let text = call(&study, words, &more).ok().stdout;
-        assert!(
-            text.contains("Means of vehicle, at the mean of age"),
-            "{text}"
-        );
+        assert!(text.contains("Means of vehicle, at the mean of age"), "{text}");
         let pairs = text.split("Pairs of vehicle").nth(1).unwrap();
         let row = pairs.lines().find(|line| line.contains("truck")).unwrap();
         assert!(!row.contains(".001"), "{row}");
@@ -556,14 +450,8 @@ fn four() -> String {
 fn a_figure_has_the_test_that_decides_above_it() {
     let study = with(&four());
     for (words, effect) in [
-        (
-            "compare --subject id --within c --value v --missing mixed",
-            "c",
-        ),
-        (
-            "compare --subject id --within c --value ans --ordinal",
-            "conditions",
-        ),
+        ("compare --subject id --within c --value v --missing mixed", "c"),
+        ("compare --subject id --within c --value ans --ordinal", "conditions"),
     ] {
         call(&study, words, &["--figure", "f.svg"]).ok();
         let said = json(&study, words)["apa"][effect].clone();
@@ -572,10 +460,7 @@ fn a_figure_has_the_test_that_decides_above_it() {
         assert!(test.starts_with("F("), "{said}");
         let drawn = study.read("f.svg");
         assert!(drawn.contains(test), "{words}: no {test}");
-        assert!(
-            !drawn.contains("χ²") && !drawn.contains("Wilcoxon"),
-            "{words}"
-        );
+        assert!(!drawn.contains("χ²") && !drawn.contains("Wilcoxon"), "{words}");
         std::fs::remove_file(study.path("f.svg")).unwrap();
     }
     // The Bayes factor of one pair is above the picture of that pair alone.
@@ -584,9 +469,7 @@ fn a_figure_has_the_test_that_decides_above_it() {
     let drawn = study.read("f.svg");
     assert!(!drawn.contains("prior") && !drawn.contains("means ."));
     let two: Vec<String> = four().lines().map(str::to_owned).collect();
-    let two = two
-        .iter()
-        .filter(|row| !row.contains(",d,") && !row.contains(",e,"));
+    let two = two.iter().filter(|row| !row.contains(",d,") && !row.contains(",e,"));
     let two: Vec<&str> = two.map(String::as_str).collect();
     let study = with(&(two.join("\n") + "\n"));
     call(&study, bayes, &["--figure", "f.svg"]).ok();
@@ -610,14 +493,7 @@ fn pairs_of_a_mixed_model_are_printed_over_their_own_error() {
 #[test]
 fn the_interval_of_kendalls_w_is_printed_where_it_holds_w() {
     let alike = [[1, 2, 3]; 20];
-    let all = [
-        [1, 2, 3],
-        [1, 3, 2],
-        [2, 1, 3],
-        [2, 3, 1],
-        [3, 1, 2],
-        [3, 2, 1],
-    ];
+    let all = [[1, 2, 3], [1, 3, 2], [2, 1, 3], [2, 3, 1], [3, 1, 2], [3, 2, 1]];
     // Rank sums of 40, 39 and 41.
     let mut unlike = [all, all, all].concat();
     unlike.extend([[1, 2, 3], [3, 1, 2]]);
@@ -650,11 +526,7 @@ fn groups_are_said_by_the_test_that_was_chosen_alone() {
     for (g, name) in ["x", "y", "z"].into_iter().enumerate() {
         for i in 0..8 {
             let far = if i == 7 { 400.0 } else { 0.0 };
-            let _ = writeln!(
-                text,
-                "{name},{}",
-                far + f64::from(i * 3 % 8) + 0.3 * g as f64
-            );
+            let _ = writeln!(text, "{name},{}", far + f64::from(i * 3 % 8) + 0.3 * g as f64);
         }
     }
     let study = with(&text);
@@ -663,21 +535,11 @@ fn groups_are_said_by_the_test_that_was_chosen_alone() {
     let out = call(&study, words, &[]).ok().stdout;
     tells(
         &out,
-        &[
-            "kruskal: χ²(2",
-            "x|y: z = ",
-            "p_Holm",
-            "No difference of the groups is shown at .05.",
-        ],
+        &["kruskal: χ²(2", "x|y: z = ", "p_Holm", "No difference of the groups is shown at .05."],
     );
-    assert!(
-        !out.contains("welch_anova: ") && !out.contains("x|y: t("),
-        "{out}"
-    );
+    assert!(!out.contains("welch_anova: ") && !out.contains("x|y: t("), "{out}");
     // What was chosen has no value where a group has one row.
-    let one: Vec<&str> = "g,v\nx,1\nx,2\nx,4\nx,3\ny,2\ny,5\ny,3\ny,4\nz,3"
-        .lines()
-        .collect();
+    let one: Vec<&str> = "g,v\nx,1\nx,2\nx,4\nx,3\ny,2\ny,5\ny,3\ny,4\nz,3".lines().collect();
     let study = with(&(one.join("\n") + "\n"));
     if json(&study, words)["chosen"] == "welch-anova" {
         let out = call(&study, words, &[]).ok().stdout;
@@ -700,10 +562,7 @@ fn a_difference_of_nothing_is_drawn_within_standardised_bounds() {
     // Of one sample values are counted.
     let one = "equivalence --value v --mu=3 --bounds=-9,9";
     let out = call(&study, one, &[]).ok().stdout;
-    assert!(
-        out.contains("12 values") && !out.contains("subjects"),
-        "{out}"
-    );
+    assert!(out.contains("12 values") && !out.contains("subjects"), "{out}");
 }
 
 #[test]

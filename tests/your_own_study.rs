@@ -5,9 +5,7 @@ use crate::support::{TempStudy, argv, files, tells};
 #[test]
 fn from_logs_and_answers_to_the_report() {
     let study = TempStudy::of_sample();
-    study
-        .maveric(&["init", "mine"])
-        .failed(1, &["mine", "not empty"]);
+    study.maveric(&["init", "mine"]).failed(1, &["mine", "not empty"]);
     let run = "run --set epochs=2 --set duration=60 -j 2";
     let ran = study.mine(run).ok();
     assert!(ran.stdout.contains("index.html"), "{}", ran.stdout);
@@ -16,30 +14,17 @@ fn from_logs_and_answers_to_the_report() {
     assert!(page.contains("ynthetic participants") && !page.contains("NaN"));
     assert!(page.contains("McDonald") && page.contains("Reliability"));
     let answered = study.read("mine/results/answers.csv");
-    tells(
-        &answered,
-        &[",pre,adb,", ",mimic,jian_trust,", ",perpendicular,rosas,"],
-    );
+    tells(&answered, &[",pre,adb,", ",mimic,jian_trust,", ",perpendicular,rosas,"]);
     // Ratings are scored without what was asked before the drives.
     let rated = study.read("mine/results/rating_scores.csv");
     assert!(!rated.contains(",pre,") && rated.contains(",cautious,similarity,similarity,"));
     let reliable = study.read("mine/results/scores_reliabilities.csv");
     assert!(
-        reliable
-            .lines()
-            .next()
-            .unwrap()
-            .ends_with("omega,mean,sd,floor,ceiling"),
+        reliable.lines().next().unwrap().ends_with("omega,mean,sd,floor,ceiling"),
         "{reliable}"
     );
     let items = study.read("mine/results/scores_items.csv");
-    assert_eq!(
-        items
-            .lines()
-            .filter(|l| l.starts_with("mini_ipip,conscientiousness,"))
-            .count(),
-        4
-    );
+    assert_eq!(items.lines().filter(|l| l.starts_with("mini_ipip,conscientiousness,")).count(), 4);
     let again = study.mine(run).ok();
     assert!(again.stdout.contains("nothing was run"), "{}", again.stdout);
 }
@@ -48,28 +33,15 @@ fn from_logs_and_answers_to_the_report() {
 fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
     let study = TempStudy::of_sample();
     let people = study.read("mine/participants.csv");
-    let first = people
-        .lines()
-        .nth(1)
-        .unwrap()
-        .split(',')
-        .next()
-        .unwrap()
-        .to_owned();
+    let first = people.lines().nth(1).unwrap().split(',').next().unwrap().to_owned();
     study.write(
         "people.csv",
-        format!(
-            "{}\nGhost,2,,,,,\n",
-            people.replace(&format!("{first},"), "Other,").trim_end()
-        ),
+        format!("{}\nGhost,2,,,,,\n", people.replace(&format!("{first},"), "Other,").trim_end()),
     );
     let import =
         |file: &str| study.maveric(&["import", file, "--from", "otree", "--out", "surveys.csv"]);
     let said = import("mine/surveys/answers.csv").ok().stdout;
-    assert!(
-        said.contains("8 participants") || said.contains("participants"),
-        "{said}"
-    );
+    assert!(said.contains("8 participants") || said.contains("participants"), "{said}");
     let score = argv("score --surveys surveys.csv --participants people.csv --out scores.csv");
     let ran = study.maveric(&score).ok();
     let listed = study.read("scores_exclusions.csv");
@@ -77,23 +49,13 @@ fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
         "Ghost,questionnaires,participant Ghost answered no questionnaire",
         &format!("answers of {first}, who is not in the study, left out"),
     ] {
-        assert!(
-            listed.contains(who) && ran.stderr.contains("Ghost"),
-            "{listed}"
-        );
+        assert!(listed.contains(who) && ran.stderr.contains("Ghost"), "{listed}");
     }
 
     let answers = study.read("mine/surveys/answers.csv");
     let first = answers.lines().nth(1).unwrap().split(',').next().unwrap();
-    let column = |name: &str| {
-        answers
-            .lines()
-            .next()
-            .unwrap()
-            .split(',')
-            .position(|c| c == name)
-            .unwrap()
-    };
+    let column =
+        |name: &str| answers.lines().next().unwrap().split(',').position(|c| c == name).unwrap();
     let with = |name: &str, value: &str| {
         let mut lines: Vec<String> = answers.lines().map(str::to_owned).collect();
         let mut cells: Vec<&str> = lines[1].split(',').collect();
@@ -104,42 +66,24 @@ fn who_is_in_one_file_and_not_in_the_other_is_listed_and_faults_are_named() {
     };
     with("pre.1.player.adb_3", "9").failed(1, &[first, "adb", "item 3", "`9`", "1 to 5"]);
     with("pre.1.player.mdsi_40", "often").failed(1, &[first, "mdsi", "item 40", "`often`"]);
-    study.write(
-        "wrong.csv",
-        format!("{answers}{}\n", answers.lines().nth(1).unwrap()),
-    );
+    study.write("wrong.csv", format!("{answers}{}\n", answers.lines().nth(1).unwrap()));
     import("wrong.csv").failed(1, &[first, "answered twice", "row 1"]);
     let scale = study.read("study_data/scales/adb.toml");
-    study.write(
-        "study_data/scales/adb.toml",
-        scale.replace("min = 1\nmax = 5", "min = 5\nmax = 1"),
-    );
-    import("mine/surveys/answers.csv").failed(1, &["adb.toml", "min 5 is not below max 1"]);
-    study.write(
-        "study_data/scales/adb.toml",
-        scale.replace("items = 11", "items = 0"),
-    );
     study
-        .maveric(&["codebook", "--out", "book"])
-        .failed(1, &["adb.toml", "at least one item"]);
+        .write("study_data/scales/adb.toml", scale.replace("min = 1\nmax = 5", "min = 5\nmax = 1"));
+    import("mine/surveys/answers.csv").failed(1, &["adb.toml", "min 5 is not below max 1"]);
+    study.write("study_data/scales/adb.toml", scale.replace("items = 11", "items = 0"));
+    study.maveric(&["codebook", "--out", "book"]).failed(1, &["adb.toml", "at least one item"]);
     assert!(!study.path("book").exists());
 }
 
 #[test]
 fn what_is_given_away_names_nobody() {
     let study = TempStudy::of_sample();
-    study
-        .maveric(&argv(
-            "import mine/surveys/answers.csv --from otree --out long.csv",
-        ))
-        .ok();
+    study.maveric(&argv("import mine/surveys/answers.csv --from otree --out long.csv")).ok();
     // A remark and an address that have no business in an export, and an exact age.
     let people = study.read("mine/participants.csv");
-    let ids: Vec<&str> = people
-        .lines()
-        .skip(1)
-        .map(|l| l.split(',').next().unwrap())
-        .collect();
+    let ids: Vec<&str> = people.lines().skip(1).map(|l| l.split(',').next().unwrap()).collect();
     let named: Vec<String> = ids
         .iter()
         .map(|id| format!("{id},2,external,47,female,,,secret@example.org,remark"))
@@ -171,17 +115,9 @@ fn what_is_given_away_names_nobody() {
             assert!(!inside && !name.contains(secret), "{secret} is in {name}");
         }
     }
-    assert!(
-        study
-            .read("shared/participants.csv")
-            .contains(",40-49,female,")
-    );
+    assert!(study.read("shared/participants.csv").contains(",40-49,female,"));
     // The wide table says what the long one does.
-    study
-        .maveric(&argv(
-            "import shared/surveys_wide.csv --from otree --out back.csv",
-        ))
-        .ok();
+    study.maveric(&argv("import shared/surveys_wide.csv --from otree --out back.csv")).ok();
     assert_eq!(
         study.read("back.csv").lines().count(),
         study.read("shared/surveys.csv").lines().count()
@@ -196,9 +132,7 @@ fn what_is_given_away_names_nobody() {
     // A log still is the drive that it was.
     let ingest = |logs: &str, out: &str| {
         study.maveric(&["ingest", logs, "--out", out]).ok();
-        study
-            .maveric(&["measure", "--drives", out, "--out", &format!("{out}.csv")])
-            .ok();
+        study.maveric(&["measure", "--drives", out, "--out", &format!("{out}.csv")]).ok();
         let table = study.read(&format!("{out}.csv"));
         let mut rows: Vec<String> = table
             .lines()
@@ -214,16 +148,11 @@ fn what_is_given_away_names_nobody() {
         rows.sort();
         rows
     };
-    assert_eq!(
-        ingest("mine/logs/study2", "before"),
-        ingest("shared/logs", "after")
-    );
+    assert_eq!(ingest("mine/logs/study2", "before"), ingest("shared/logs", "after"));
     export("nowhere", "none").failed(1, &["nowhere"]);
     study.write("short", "abc");
     export("short", "none").failed(1, &["3 characters"]);
-    study
-        .maveric(&["export", "--key", "key", "--out", "none"])
-        .failed(1, &["nothing to export"]);
+    study.maveric(&["export", "--key", "key", "--out", "none"]).failed(1, &["nothing to export"]);
     assert!(!study.path("none").exists());
 }
 

@@ -6,11 +6,7 @@ fn main() {
     let version = std::env::var("CARGO_PKG_VERSION").unwrap_or_default();
     // Only for a program that is handed out: otherwise each commit would compile the program and all its tests anew.
     let release = std::env::var("PROFILE").is_ok_and(|profile| profile == "release");
-    let commit = if release {
-        packaged().or_else(checked_out)
-    } else {
-        None
-    };
+    let commit = if release { packaged().or_else(checked_out) } else { None };
     let commit = commit.map_or_else(String::new, |commit| format!(" ({commit})"));
     println!("cargo::rustc-env=MAVERIC_VERSION={version}{commit}");
     println!("cargo::rerun-if-changed=build.rs");
@@ -32,10 +28,7 @@ fn checked_out() -> Option<String> {
     let commit = git(&["log", "-1", "--abbrev=9", "--format=%h, %cs"])?;
     let changed = git(&["status", "--porcelain", "--untracked-files=no"])?;
     let (hash, date) = commit.split_once(',')?;
-    Some(format!(
-        "{hash}{},{date}",
-        if changed.is_empty() { "" } else { "+" }
-    ))
+    Some(format!("{hash}{},{date}", if changed.is_empty() { "" } else { "+" }))
 }
 
 fn git(words: &[&str]) -> Option<String> {

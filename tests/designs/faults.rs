@@ -10,22 +10,14 @@ fn a_fault_of_the_design_names_file_key_value_and_what_would_be_possible() {
         (
             "[contrasts]",
             "[contrast]",
-            &[
-                "study.toml",
-                "unknown field `contrast`",
-                "did you mean `contrasts`?",
-            ][..],
+            &["study.toml", "unknown field `contrast`", "did you mean `contrasts`?"][..],
         ),
         (
             "compare = \"all\"",
             "compare = \"against clam\"",
             &["`contrasts.compare`", "`clam`", "did you mean `calm`?"],
         ),
-        (
-            "id = \"sporty\"",
-            "id = \"calm\"",
-            &["`condition.id`", "`calm` twice"],
-        ),
+        ("id = \"sporty\"", "id = \"calm\"", &["`condition.id`", "`calm` twice"]),
         (
             "car = { recorded = true }",
             "car = { dial = 1 }",
@@ -39,9 +31,7 @@ fn a_fault_of_the_design_names_file_key_value_and_what_would_be_possible() {
     }
     study.write("mine/study.toml", &sound);
     change(&study, "mine/participants.csv", "P02,", "P01,");
-    study
-        .mine("ingest --out d")
-        .failed(1, &["participants.csv", "row 2", "each participant once"]);
+    study.mine("ingest --out d").failed(1, &["participants.csv", "row 2", "each participant once"]);
 }
 
 #[test]
@@ -71,10 +61,7 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
         ),
         (
             "[[outcome]]\nscale = \"comfort.total\"\ndrop_items = [4]\n",
-            [
-                "`outcome[1].drop_items`: found 4",
-                "an item of `comfort.total`: 1, 2, 3",
-            ],
+            ["`outcome[1].drop_items`: found 4", "an item of `comfort.total`: 1, 2, 3"],
         ),
         (
             "[[outcome]]\nscale = \"comfort.total\"\ndrop_items = [1, 2, 3]\n",
@@ -93,15 +80,10 @@ fn status_says_who_is_out_and_what_nobody_drove_and_a_design_names_only_what_the
         study.mine("run").failed(1, &words);
     }
     study.write("mine/study.toml", sound.replace("P02 =", "P20 ="));
-    study
-        .mine("run")
-        .failed(1, &["study.toml", "`exclude.people`: found `P20`"]);
+    study.mine("run").failed(1, &["study.toml", "`exclude.people`: found `P20`"]);
     let drive = sound.replace("people = { P02 = ", "drives = { P03-clam = ");
     study.write("mine/study.toml", drive);
-    let words = [
-        "`exclude.drives`: found `P03-clam`",
-        "did you mean `P03-calm`?",
-    ];
+    let words = ["`exclude.drives`: found `P03-clam`", "did you mean `P03-calm`?"];
     study.mine("run").failed(1, &words);
 }
 
@@ -110,10 +92,7 @@ fn a_run_says_that_nobody_is_listed_yet_and_shows_its_stages_all_the_same() {
     let study = TempStudy::new();
     let init = "init mine --conditions calm,sporty --style none";
     study.maveric(&argv(init)).ok();
-    let words = [
-        "participants.csv: has no row: nobody takes part",
-        "maveric design orders",
-    ];
+    let words = ["participants.csv: has no row: nobody takes part", "maveric design orders"];
     study.mine("run").failed(1, &words);
     study.mine("run --show").ok();
     study.mine("status").ok();
@@ -130,12 +109,7 @@ fn status_says_what_the_seat_lacks_unless_people_drive_elsewhere() {
     let lacks = "the seat cannot open this study: ";
     let told = |study: &TempStudy| study.mine("status").ok().stderr;
     assert!(!told(&study).contains(lacks));
-    change(
-        &study,
-        "mine/study.toml",
-        "# after = [\"jian_trust\"]",
-        "after = [\"mod\"]",
-    );
+    change(&study, "mine/study.toml", "# after = [\"jian_trust\"]", "after = [\"mod\"]");
     let line = format!("{lacks}[protocol] asks scale `mod`, and there are ");
     assert!(told(&study).contains(&line), "{}", told(&study));
     let json = study.mine("status --format json").ok();
@@ -161,16 +135,9 @@ fn a_person_whose_part_is_misspelt_is_named_and_one_of_another_part_is_told() {
     study.write("mine/study.toml", text);
     let table = |part: &str| format!("participant,part\nP01,test\nP02,{part}\nP03,test\n");
     study.write("mine/participants.csv", table("Test"));
-    study.mine("status").failed(
-        1,
-        &[
-            "participants.csv",
-            "row 2",
-            "`part`",
-            "`Test`",
-            "`test`, as [people]",
-        ],
-    );
+    study
+        .mine("status")
+        .failed(1, &["participants.csv", "row 2", "`part`", "`Test`", "`test`, as [people]"]);
     study.write("mine/participants.csv", table("pilot"));
     let said = study.mine("status").ok().stderr;
     tells(&said, &["P02: neither learned from nor tested"]);
@@ -182,10 +149,7 @@ fn answers_out_of_range_and_outcomes_that_nobody_answered_are_refused_by_name() 
     let sound = study.read("mine/surveys/answers.csv");
     let first = sound.lines().nth(1).unwrap();
     let (head, _) = first.rsplit_once(',').unwrap();
-    study.write(
-        "mine/surveys/answers.csv",
-        sound.replacen(first, &format!("{head},9"), 1),
-    );
+    study.write("mine/surveys/answers.csv", sound.replacen(first, &format!("{head},9"), 1));
     let ran = study.mine("run score");
     assert_eq!(ran.status, Some(1));
     tells(&ran.stderr, &["P01", "comfort", "9", "1 to 7"]);

@@ -24,10 +24,7 @@ fn the_folders_name_or_a_column_may_say_the_condition() {
     let by_folder = measured(&study);
     assert_eq!(by_folder.len(), 12);
     let words = "columns = { condition = \"car\" }\nwords = { OWN = \"own\", CALM = \"calm\", SPORTY = \"sporty\" }\n";
-    study.write(
-        "mine/mapping.toml",
-        format!("[names]\n{words}{people}{TABLE}"),
-    );
+    study.write("mine/mapping.toml", format!("[names]\n{words}{people}{TABLE}"));
     study.mine("run ingest").ok();
     // The drives are called by the column's words now; those of before are gone.
     assert_eq!(measured(&study), by_folder);
@@ -75,24 +72,10 @@ fn drives_in_parts_with_a_lane_and_a_place_in_it_measure_as_whole_ones_with_a_po
         }
     }
     let halves = study.mine("run ingest").ok().stderr;
-    tells(
-        &halves,
-        &[
-            "it may be a part of a recording that was split",
-            "`parts = \"_{n}\"`",
-        ],
-    );
-    change(
-        &study,
-        "mine/mapping.toml",
-        "[names]\n",
-        "[names]\nparts = \"_{n}\"\n",
-    );
+    tells(&halves, &["it may be a part of a recording that was split", "`parts = \"_{n}\"`"]);
+    change(&study, "mine/mapping.toml", "[names]\n", "[names]\nparts = \"_{n}\"\n");
     let joined = study.mine("run ingest").ok().stderr;
-    tells(
-        &joined,
-        &["12 logs (", "goes on in its part 2, 0.050 s later"],
-    );
+    tells(&joined, &["12 logs (", "goes on in its part 2, 0.050 s later"]);
     assert_eq!(measured(&study).len(), 12);
     assert_eq!(study.read("mine/m.csv"), whole);
 }
@@ -100,9 +83,7 @@ fn drives_in_parts_with_a_lane_and_a_place_in_it_measure_as_whole_ones_with_a_po
 #[test]
 fn a_condition_may_be_called_as_the_time_before_the_drives_is_and_keeps_its_answers() {
     let study = recorded(&["pre", "post"]);
-    study
-        .mine(TO_THE_NUMBERS)
-        .failed(1, &["answers.csv", "P01", "`comfort`", "`after:pre`"]);
+    study.mine(TO_THE_NUMBERS).failed(1, &["answers.csv", "P01", "`comfort`", "`after:pre`"]);
     // The first five rows of everybody are those of before.
     let table = study.read("mine/surveys/answers.csv");
     let lines = table.lines().enumerate().map(|(n, line)| match n {
@@ -115,11 +96,7 @@ fn a_condition_may_be_called_as_the_time_before_the_drives_is_and_keeps_its_answ
     study.mine(TO_THE_NUMBERS).ok();
     let scores = study.read("mine/results/rating_scores.csv");
     let rows = |moment: &str| scores.lines().filter(|l| l.contains(moment)).count();
-    assert_eq!(
-        [rows(",after:pre,"), rows(",after:post,"), rows(",pre,")],
-        [8, 8, 0],
-        "{scores}"
-    );
+    assert_eq!([rows(",after:pre,"), rows(",after:post,"), rows(",pre,")], [8, 8, 0], "{scores}");
     let notes = study.mine("status").ok().stderr;
     assert!(!notes.contains("nobody"), "{notes}");
     study.mine("run").ok();
@@ -137,11 +114,7 @@ fn a_study_is_exported_and_traced_from_its_folder_without_a_path() {
     study.mine(TO_THE_NUMBERS).ok();
     let whole = "export --key ../key --out ../shared --pipeline";
     study.mine(whole).ok();
-    let logs = |out: &str| {
-        std::fs::read_dir(study.path(out).join("logs"))
-            .unwrap()
-            .count()
-    };
+    let logs = |out: &str| std::fs::read_dir(study.path(out).join("logs")).unwrap().count();
     assert_eq!(logs("shared"), 12);
     let people = study.read("shared/participants.csv");
     assert_eq!(people.lines().count(), 1 + PEOPLE.len(), "{people}");
@@ -156,10 +129,7 @@ fn a_study_is_exported_and_traced_from_its_folder_without_a_path() {
     assert_eq!(logs("logs"), 12);
     assert!(!study.path("logs/surveys.csv").exists());
     let steps = study.mine("trace results/measurements.parquet").ok().stdout;
-    assert!(
-        steps.contains("logs/P01-calm.csv") || steps.contains("ingest"),
-        "{steps}"
-    );
+    assert!(steps.contains("logs/P01-calm.csv") || steps.contains("ingest"), "{steps}");
     // A shell empties the file before the program starts that is to fill it.
     study.write("mine/pipelines/study.toml", "");
     let text = study.mine("run --show").ok().stdout;
@@ -175,9 +145,7 @@ fn a_study_is_exported_and_traced_from_its_folder_without_a_path() {
 
 #[test]
 fn every_rule_leaves_out_the_same_people_and_drives_everywhere() {
-    let people = [
-        "P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08", "P09",
-    ];
+    let people = ["P01", "P02", "P03", "P04", "P05", "P06", "P07", "P08", "P09"];
     let study = recorded_of(&people, &["calm", "sporty"]);
     study.write("key", "a secret of this test alone");
     let rules = "[exclude]\ndrive_shorter_than_s = 50\nstraight_lined = true\nfewer_conditions_than = 2\n\
@@ -187,11 +155,7 @@ fn every_rule_leaves_out_the_same_people_and_drives_everywhere() {
     let longer = scale("comfort", 6, 1, 7, "mean");
     let reversed = longer.replacen("[[subscales]]", "reversed = [2]\n[[subscales]]", 1);
     study.write("mine/scales/comfort.toml", reversed);
-    let answers = answers(
-        &people,
-        &[("comfort", 6, 7), ("hurry", 2, 5)],
-        &["calm", "sporty"],
-    );
+    let answers = answers(&people, &[("comfort", 6, 7), ("hurry", 2, 5)], &["calm", "sporty"]);
     let rows = answers.lines().filter_map(|line| {
         let cells: Vec<&str> = line.split(',').collect();
         match cells[..] {
@@ -221,20 +185,13 @@ fn every_rule_leaves_out_the_same_people_and_drives_everywhere() {
     let rules: Vec<&str> = rules.map(|row| row["rule"].as_str().unwrap()).collect();
     assert_eq!(
         rules,
-        [
-            "exclude.people",
-            "exclude.straight_lined",
-            "exclude.fewer_conditions_than"
-        ]
+        ["exclude.people", "exclude.straight_lined", "exclude.fewer_conditions_than"]
     );
     // Two lose a condition with a drive, so that the rule for conditions takes them, too.
     let (gone, drives) = (left_out(&flow["left_out"]), left_out(&flow["drives"]));
     assert_eq!(gone, ["P02", "P03", "P04", "P05", "P06"], "{flow}");
     assert_eq!(drives, ["P03-sporty", "P06-calm"], "{flow}");
-    assert_eq!(
-        (&flow["recruited"], &flow["analysed"]),
-        (&9.into(), &4.into())
-    );
+    assert_eq!((&flow["recruited"], &flow["analysed"]), (&9.into(), &4.into()));
     let notes = study.mine("status").ok().stderr;
     for who in people {
         let told = notes.contains(&format!("{who} is left out: "));
@@ -272,12 +229,7 @@ fn each_rig_is_exported_and_ingested_by_its_own_mapping() {
         std::fs::rename(logs.join(&from), logs.join("mph").join(&from)).unwrap();
     }
     let rigs = "[{ logs = \"logs/mph\", file = \"mph.toml\" }, { logs = \"logs\", file = \"mapping.toml\" }]";
-    change(
-        &study,
-        "mine/study.toml",
-        "mapping = \"mapping.toml\"",
-        &format!("mapping = {rigs}"),
-    );
+    change(&study, "mine/study.toml", "mapping = \"mapping.toml\"", &format!("mapping = {rigs}"));
     let whole = "export --key ../key --out ../shared";
     study.mine(whole).ok();
     let logs = std::fs::read_dir(study.path("shared/logs")).unwrap();

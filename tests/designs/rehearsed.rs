@@ -11,19 +11,15 @@ fn a_design_says_the_power_that_a_rehearsal_of_it_found_and_recorded_cars_cannot
     tells(&said, &["## Sample size", "cannot be rehearsed"]);
     let rehearse =
         argv("rehearse --participants 6,8 --effects-times 1 --studies 4 --out rehearsal");
-    study.maveric_in("mine", &rehearse).failed(
-        1,
-        &["study.toml", "`condition.calm.car`", "maveric stats power"],
-    );
+    study
+        .maveric_in("mine", &rehearse)
+        .failed(1, &["study.toml", "`condition.calm.car`", "maveric stats power"]);
     let init = argv("init dial --conditions calm,sporty --style adb.total --synthetic");
     study.maveric(&init).ok();
     let outcomes = "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n\n[contrasts]";
     change(&study, "dial/study.toml", "[contrasts]", outcomes);
     let said = study.maveric_in("dial", &describe).ok().stdout;
-    tells(
-        &said,
-        &["Not settled: no rehearsal of this design was found"],
-    );
+    tells(&said, &["Not settled: no rehearsal of this design was found"]);
     study.maveric_in("dial", &rehearse).ok();
     let said = study.maveric_in("dial", &describe).ok().stdout;
     tells(

@@ -15,37 +15,13 @@ const QUALTRICS: [[&str; 3]; 17] = [
     ["Finished", "Beendet", "finished"],
     ["RecordedDate", "Erfassungsdatum", "recordedDate"],
     ["ResponseId", "Antwort-ID", "_recordId"],
-    [
-        "RecipientLastName",
-        "Nachname des Empfängers",
-        "recipientLastName",
-    ],
-    [
-        "RecipientFirstName",
-        "Vorname des Empfängers",
-        "recipientFirstName",
-    ],
+    ["RecipientLastName", "Nachname des Empfängers", "recipientLastName"],
+    ["RecipientFirstName", "Vorname des Empfängers", "recipientFirstName"],
     ["RecipientEmail", "E-Mail des Empfängers", "recipientEmail"],
-    [
-        "ExternalReference",
-        "Externe Datenreferenz",
-        "externalDataReference",
-    ],
-    [
-        "LocationLatitude",
-        "Breitengrad des Standorts",
-        "locationLatitude",
-    ],
-    [
-        "LocationLongitude",
-        "Längengrad des Standorts",
-        "locationLongitude",
-    ],
-    [
-        "DistributionChannel",
-        "Verteilungskanal",
-        "distributionChannel",
-    ],
+    ["ExternalReference", "Externe Datenreferenz", "externalDataReference"],
+    ["LocationLatitude", "Breitengrad des Standorts", "locationLatitude"],
+    ["LocationLongitude", "Längengrad des Standorts", "locationLongitude"],
+    ["DistributionChannel", "Verteilungskanal", "distributionChannel"],
     ["UserLanguage", "Benutzersprache", "userLanguage"],
 ];
 
@@ -58,10 +34,7 @@ fn load(who: usize, place: usize, item: usize) -> usize {
 
 /// Qualtrics' workbook of six people and a preview: a matrix question a car, of which the export tag is `TLX_komfort` and so on.
 fn qualtrics() -> Vec<u8> {
-    let items = || {
-        CARS.iter()
-            .flat_map(|car| (1..=6).map(move |item| (car, item)))
-    };
+    let items = || CARS.iter().flat_map(|car| (1..=6).map(move |item| (car, item)));
     let text = |word: &str| word.to_owned();
     let mut rows: Vec<Vec<String>> = Vec::new();
     let names = items().map(|(car, item)| format!("TLX_{car}_{item}"));
@@ -103,10 +76,8 @@ fn qualtrics() -> Vec<u8> {
         let answers = answers.map(|(place, item)| answer(place, item));
         rows.push(before.into_iter().map(text).chain(answers).collect());
     }
-    let rows: Vec<Vec<&str>> = rows
-        .iter()
-        .map(|r| r.iter().map(String::as_str).collect())
-        .collect();
+    let rows: Vec<Vec<&str>> =
+        rows.iter().map(|r| r.iter().map(String::as_str).collect()).collect();
     let rows: Vec<&[&str]> = rows.iter().map(Vec::as_slice).collect();
     workbook(&[("Sheet0", &rows)])
 }
@@ -118,10 +89,7 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
     // The empty table that `init` made is filled.
     study.mine("design orders --people 6").ok();
     let people = study.read("mine/participants.csv");
-    assert!(
-        people.starts_with("participant,population,age,gender,order\nP01,,,,"),
-        "{people}"
-    );
+    assert!(people.starts_with("participant,population,age,gender,order\nP01,,,,"), "{people}");
     assert_eq!(people.lines().count(), 7);
     for who in 0..6 {
         for (place, car) in ["own"].iter().chain(&CARS).enumerate() {
@@ -130,13 +98,7 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
             for i in 0..1200 {
                 let t = f64::from(i) / 20.0;
                 let y = if (20.0..40.0).contains(&t) { 3.5 } else { 0.0 };
-                let _ = writeln!(
-                    log,
-                    "{t},{},{y},{v},{},{}",
-                    v / 3.6 * t,
-                    30 + place,
-                    v - 4.0
-                );
+                let _ = writeln!(log, "{t},{},{y},{v},{},{}", v / 3.6 * t, 30 + place, v - 4.0);
             }
             study.write(&format!("mine/logs/P{:02}-{car}.csv", who + 1), log);
         }
@@ -156,11 +118,7 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
         for (place, car) in CARS.iter().enumerate() {
             for (trial, off) in [(1, -0.2), (2, 0.2)] {
                 let (seconds, glances) = (takeover(who, place) + off, who + place * place + trial);
-                let _ = writeln!(
-                    measures,
-                    "P{:02},{car},{trial},{seconds:.1},{glances}",
-                    who + 1
-                );
+                let _ = writeln!(measures, "P{:02},{car},{trial},{seconds:.1},{glances}", who + 1);
             }
         }
     }
@@ -169,17 +127,9 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
                     [[measure]]\nid = \"glances\"\ntitle = \"Glances\"\nunit = \"1\"\n\n[contrasts]";
     change(&study, "mine/study.toml", "[contrasts]", declared);
     study.write("mine/surveys/answers.xlsx", qualtrics());
-    change(
-        &study,
-        "mine/study.toml",
-        "surveys/answers.csv",
-        "surveys/answers.xlsx",
-    );
+    change(&study, "mine/study.toml", "surveys/answers.csv", "surveys/answers.xlsx");
     // Whoever forgets what wrote the answers, or scores them as they are, is told.
-    study.mine("run").failed(
-        1,
-        &["is an export of Qualtrics", "software = \"qualtrics\""],
-    );
+    study.mine("run").failed(1, &["is an export of Qualtrics", "software = \"qualtrics\""]);
     score_as_they_are(&study, "surveys/answers.xlsx").failed(
         1,
         &[
@@ -188,15 +138,9 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
         ],
     );
     let columns = suggested_columns(&study, "surveys/answers.xlsx", "qualtrics");
-    assert!(
-        columns.contains("\ncolumn = \"TLX_{condition}_{item}\"\n"),
-        "{columns}"
-    );
+    assert!(columns.contains("\ncolumn = \"TLX_{condition}_{item}\"\n"), "{columns}");
     let before = study.mine("status").ok().stderr;
-    tells(
-        &before,
-        &["komfort, drive: its log is not ingested yet (everybody)"],
-    );
+    tells(&before, &["komfort, drive: its log is not ingested yet (everybody)"]);
     let ran = study.mine("run").ok();
     tells(&ran.stderr, &["1 row of previews and tests: left out"]);
     let after = study.mine("status").ok().stderr;
@@ -205,12 +149,7 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
     let analysis = analysis(&study);
     let each = |value: &dyn Fn(usize) -> f64| (0..6).map(value).collect::<Vec<f64>>();
     let shorter = each(&|who| takeover(who, 0) - takeover(who, 2));
-    differs(
-        panel(&analysis, "takeover_s").unwrap(),
-        ["komfort", "sport"],
-        &shorter,
-        1e-9,
-    );
+    differs(panel(&analysis, "takeover_s").unwrap(), ["komfort", "sport"], &shorter, 1e-9);
     let loads =
         |who: usize, place: usize| mean(&[0, 1, 2, 3, 4, 5].map(|i| load(who, place, i) as f64));
     for [first, second] in [[0, 1], [0, 2], [1, 2]] {
@@ -230,12 +169,7 @@ fn three_recorded_cars_with_measures_of_ones_own_and_answers_of_a_qualtrics_work
             1e-3,
         );
         let more = each(&|_| (first * first) as f64 - (second * second) as f64);
-        differs(
-            panel(&analysis, "glances").unwrap(),
-            [CARS[first], CARS[second]],
-            &more,
-            1e-9,
-        );
+        differs(panel(&analysis, "glances").unwrap(), [CARS[first], CARS[second]], &more, 1e-9);
     }
     for (column, expected, within) in [
         ("min_headway_distance_m", None, 1e-6),

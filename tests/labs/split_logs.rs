@@ -42,14 +42,9 @@ fn split_logs_of_lane_and_offset_with_german_heads() {
         }
     }
     let people: Vec<String> = (1..=6).map(|who| format!("VP{who:02}\n")).collect();
-    study.write(
-        "mine/participants.csv",
-        format!("participant\n{}", people.concat()),
-    );
-    let names = (
-        "{participant}_{condition}\"\n",
-        "{participant}-{condition}\"\nparts = \"_{n}\"\n",
-    );
+    study.write("mine/participants.csv", format!("participant\n{}", people.concat()));
+    let names =
+        ("{participant}_{condition}\"\n", "{participant}-{condition}\"\nparts = \"_{n}\"\n");
     proposed(
         &study,
         "logs/VP01/VP01-komfort.csv",
@@ -76,32 +71,22 @@ fn split_logs_of_lane_and_offset_with_german_heads() {
     for (drive, mps) in &speeds {
         let who: usize = drive[2..4].parse().unwrap();
         let place = cars.iter().position(|c| drive.ends_with(c)).unwrap();
-        assert!(
-            (mps - kmh(who - 1, place) / 3.6).abs() < 1e-6,
-            "{drive}: {mps}"
-        );
+        assert!((mps - kmh(who - 1, place) / 3.6).abs() < 1e-6, "{drive}: {mps}");
     }
     let whole = |drive: &str| !drive.starts_with("VP03");
     for (drive, changes) in measured(&study, "lane_changes") {
         assert!((changes - 2.0).abs() < 1e-9, "{drive}: {changes}");
     }
-    for (drive, share) in measured(&study, "left_lane_fraction")
-        .iter()
-        .filter(|(d, _)| whole(d))
-    {
+    for (drive, share) in measured(&study, "left_lane_fraction").iter().filter(|(d, _)| whole(d)) {
         assert!((share - 1.0 / 3.0).abs() < 2e-3, "{drive}: {share}");
     }
-    for (drive, least) in measured(&study, "min_headway_distance_m")
-        .iter()
-        .filter(|(d, _)| whole(d))
+    for (drive, least) in
+        measured(&study, "min_headway_distance_m").iter().filter(|(d, _)| whole(d))
     {
         let place = cars.iter().position(|c| drive.ends_with(c)).unwrap();
         let gaps = (0..1200).map(|i| gap(place, f64::from(i) / 20.0));
         let smallest = gaps.fold(f64::INFINITY, f64::min);
-        assert!(
-            (least - smallest).abs() < 2e-3,
-            "{drive}: {least}, not {smallest}"
-        );
+        assert!((least - smallest).abs() < 2e-3, "{drive}: {least}, not {smallest}");
     }
     let analysis = analysis(&study);
     let differences: Vec<f64> = (0..6).map(|who| kmh(who, 1) - kmh(who, 2)).collect();

@@ -24,10 +24,7 @@ impl Traces {
         }
         for table in ["embeddings.csv", "model_embeddings.csv"] {
             let rows = read_embeddings(&study.path("mine/results").join(table)).unwrap();
-            for row in rows
-                .iter()
-                .filter(|r| people.contains(&r.participant.as_str()))
-            {
+            for row in rows.iter().filter(|r| people.contains(&r.participant.as_str())) {
                 let coordinates = row.embedding.coordinates().iter();
                 words.extend(coordinates.map(|w| six_digits(*w)));
             }
@@ -35,10 +32,7 @@ impl Traces {
         let drives =
             ["mine/results/drives", "mine/results/av/drives"].map(|f| files(&study.path(f)));
         let mut speeds = Vec::new();
-        for path in drives
-            .concat()
-            .iter()
-            .filter(|p| p.extension().is_some_and(|e| e == "parquet"))
+        for path in drives.concat().iter().filter(|p| p.extension().is_some_and(|e| e == "parquet"))
         {
             let drive = read_drive(path).unwrap();
             if people.contains(&drive.meta().participant.as_str()) {
@@ -58,10 +52,7 @@ impl Traces {
         let samples = eights(&speeds).flat_map(|eight| [doubles(eight), singles(eight)]);
         let bytes = words.iter().map(|word| word.clone().into_bytes());
         Self {
-            patterns: [
-                Patterns::of(bytes.collect()),
-                Patterns::of(samples.collect()),
-            ],
+            patterns: [Patterns::of(bytes.collect()), Patterns::of(samples.collect())],
             words,
             speeds,
         }
@@ -90,9 +81,7 @@ impl Traces {
         eights.sort_by(|a, b| a[0].total_cmp(&b[0]));
         column.windows(8).any(|window| {
             let from = eights.partition_point(|eight| eight[0] < window[0] - NEAR);
-            let near = eights[from..]
-                .iter()
-                .take_while(|e| e[0] < window[0] + NEAR);
+            let near = eights[from..].iter().take_while(|e| e[0] < window[0] + NEAR);
             let same = |eight: &&[f64]| eight.iter().zip(window).all(|(a, b)| (a - b).abs() < NEAR);
             near.copied().any(|eight| same(&eight))
         })
@@ -102,9 +91,7 @@ impl Traces {
 /// Successive samples that are unlike each other, from all over each drive.
 fn eights(speeds: &[Vec<f64>]) -> impl Iterator<Item = &[f64]> {
     let lively = |eight: &&[f64]| eight.windows(2).all(|w| (w[0] - w[1]).abs() > 2e-3);
-    let all = speeds
-        .iter()
-        .flat_map(|s| s.windows(8).step_by((s.len() / 40).max(1)));
+    let all = speeds.iter().flat_map(|s| s.windows(8).step_by((s.len() / 40).max(1)));
     all.filter(lively)
 }
 
@@ -165,11 +152,7 @@ pub(crate) fn nowhere(
     let root = study.path(folder);
     let mut read = 0;
     for path in files(&root) {
-        let name = path
-            .strip_prefix(&root)
-            .unwrap()
-            .to_string_lossy()
-            .into_owned();
+        let name = path.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
         if skip(&name) {
             continue;
         }
@@ -190,10 +173,7 @@ pub(crate) fn nowhere(
         }
         for text in &texts {
             if let Some(word) = traces.word_in(text) {
-                let at = text
-                    .windows(word.len())
-                    .position(|w| w == word.as_bytes())
-                    .unwrap();
+                let at = text.windows(word.len()).position(|w| w == word.as_bytes()).unwrap();
                 let around = &text[at.saturating_sub(120)..(at + 120).min(text.len())];
                 panic!("{word} is in {name}: {}", String::from_utf8_lossy(around));
             }
@@ -217,17 +197,13 @@ pub(crate) fn nowhere(
             let _ = std::fs::remove_dir_all(&out);
             let args = ["ingest", path.to_str().unwrap(), "--out", "decoded"];
             study.maveric(&args).ok();
-            for drive in files(&out)
-                .iter()
-                .filter(|p| p.extension().is_some_and(|e| e == "parquet"))
+            for drive in
+                files(&out).iter().filter(|p| p.extension().is_some_and(|e| e == "parquet"))
             {
                 let drive = read_drive(drive).unwrap();
                 let who = drive.meta().participant.as_str().to_owned();
                 assert_eq!(traces.word_in(who.as_bytes()), None, "{name}");
-                assert!(
-                    !traces.samples_in(&drive.rows().ego_speed_mps),
-                    "samples in {name}"
-                );
+                assert!(!traces.samples_in(&drive.rows().ego_speed_mps), "samples in {name}");
             }
         }
     }

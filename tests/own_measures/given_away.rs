@@ -9,9 +9,7 @@ const KEY: &str = "a secret of this test alone";
 
 /// A study of seven people with a factor between them, a covariate, and somebody who withdrew.
 fn with_somebody_who_withdrew() -> TempStudy {
-    let people = [
-        "Person01", "Person02", WITHDREW, "Person04", "Person05", "Person06", "Person07",
-    ];
+    let people = ["Person01", "Person02", WITHDREW, "Person04", "Person05", "Person06", "Person07"];
     let study = recorded_of(&people, &["calm", "sporty"]);
     let declared = format!(
         "{DECLARED}[[factor]]\ncolumn = \"seat\"\nlabel = \"Seat, of Person03 unknown\"\n[[covariate]]\ncolumn = \"years\"\n[contrasts]"
@@ -23,11 +21,7 @@ fn with_somebody_who_withdrew() -> TempStudy {
     let mut rows = "participant,age,seat,years,order,remark\n".to_owned();
     for (i, who) in people.iter().enumerate() {
         let seat = ["high", "low"][i % 2];
-        let _ = writeln!(
-            rows,
-            "{who},3{i},{seat},{}.5,calm sporty,a remark",
-            3 * i + i * i
-        );
+        let _ = writeln!(rows, "{who},3{i},{seat},{}.5,calm sporty,a remark", 3 * i + i * i);
     }
     study.write("mine/participants.csv", rows);
     study.write("key", KEY);
@@ -63,19 +57,14 @@ fn rows(study: &TempStudy, path: &str) -> Vec<BTreeMap<String, String>> {
     let text = study.read(path);
     let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
     let names: Vec<String> = lines.next().unwrap().collect();
-    lines
-        .map(|cells| names.iter().cloned().zip(cells).collect())
-        .collect()
+    lines.map(|cells| names.iter().cloned().zip(cells).collect()).collect()
 }
 
 /// Mean and number of the values of an outcome in a condition.
 fn mean(long: &[BTreeMap<String, String>], outcome: &str, condition: &str) -> (f64, usize) {
     let there = long.iter().filter(|row| row["condition"] == condition);
     let values: Vec<f64> = there.filter_map(|row| row[outcome].parse().ok()).collect();
-    (
-        values.iter().sum::<f64>() / values.len() as f64,
-        values.len(),
-    )
+    (values.iter().sum::<f64>() / values.len() as f64, values.len())
 }
 
 #[test]
@@ -87,31 +76,17 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
         study.maveric_in("mine", &[&words[..], more].concat())
     };
     let given = export(&["--drives", "parquet"]).ok();
-    assert!(
-        given
-            .stdout
-            .contains("6 participants under pseudonyms, 18 drives")
-    );
+    assert!(given.stdout.contains("6 participants under pseudonyms, 18 drives"));
     tells(&given.stderr, &["are `…` in the export"]);
     let key = blake3::derive_key("maveric study export pseudonyms v1", KEY.as_bytes());
     let hash = blake3::keyed_hash(&key, WITHDREW.as_bytes()).to_hex();
     let pseudonym = format!("P{}", &hash[..10]);
-    let theirs = [
-        &SAID[..],
-        &[WITHDREW, pseudonym.as_str(), "Person01", "Person07"],
-    ]
-    .concat();
-    assert_eq!(
-        naming(&study.path("shared"), &theirs),
-        Vec::<PathBuf>::new()
-    );
+    let theirs = [&SAID[..], &[WITHDREW, pseudonym.as_str(), "Person01", "Person07"]].concat();
+    assert_eq!(naming(&study.path("shared"), &theirs), Vec::<PathBuf>::new());
     // The same search finds them in the study itself, in each kind of file.
     let found = naming(&study.path("mine"), &["Person01", WITHDREW]);
     let ends = |ending: &str| found.iter().any(|p| p.to_string_lossy().ends_with(ending));
-    assert!(
-        ends("study.toml") && ends("measures.csv") && ends("analysis.json"),
-        "{found:?}"
-    );
+    assert!(ends("study.toml") && ends("measures.csv") && ends("analysis.json"), "{found:?}");
     let dictionary = study.read("shared/dictionary.csv");
     tells(
         &dictionary,
@@ -125,37 +100,24 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
     tells(&pipeline, &["answers = \"surveys.csv\""]);
     assert!(!study.path("shared/scenario.toml").exists());
     // Every outcome has the numbers of the analysis, and one row has what the other table has.
-    let (long, wide) = (
-        rows(&study, "shared/outcomes_long.csv"),
-        rows(&study, "shared/outcomes_wide.csv"),
-    );
+    let (long, wide) =
+        (rows(&study, "shared/outcomes_long.csv"), rows(&study, "shared/outcomes_wide.csv"));
     assert_eq!((long.len(), wide.len()), (18, 6));
     let mut units: BTreeMap<String, f64> = BTreeMap::new();
     for row in analysis(&study)["descriptives"].as_array().unwrap() {
-        let (outcome, condition) = (
-            row["outcome"].as_str().unwrap(),
-            row["condition"].as_str().unwrap(),
-        );
+        let (outcome, condition) =
+            (row["outcome"].as_str().unwrap(), row["condition"].as_str().unwrap());
         let (value, n) = mean(&long, outcome, condition);
         assert_eq!(row["n"], n, "{row}");
         let Some(analysed) = row["mean"].as_f64().filter(|m| *m != 0.0) else {
             continue;
         };
         let unit = *units.entry(outcome.to_owned()).or_insert(analysed / value);
-        assert!(
-            (analysed / value / unit - 1.0).abs() < 1e-12,
-            "{row}: {value}"
-        );
-        assert!(
-            (unit - 1.0).abs() < 1e-12 || outcome.contains("_mps"),
-            "{outcome}: {unit}"
-        );
+        assert!((analysed / value / unit - 1.0).abs() < 1e-12, "{row}: {value}");
+        assert!((unit - 1.0).abs() < 1e-12 || outcome.contains("_mps"), "{outcome}: {unit}");
         for row in long.iter().filter(|row| row["condition"] == condition) {
             let person = wide.iter().find(|p| p["participant"] == row["participant"]);
-            assert_eq!(
-                person.unwrap()[&format!("{outcome}.{condition}")],
-                row[outcome]
-            );
+            assert_eq!(person.unwrap()[&format!("{outcome}.{condition}")], row[outcome]);
         }
     }
     let known = units.contains_key("tor_s") && units.contains_key("comfort.total");
@@ -178,10 +140,7 @@ fn what_is_given_away_is_what_was_analysed_and_nothing_of_whoever_withdrew() {
     for (a, b) in first.iter().zip(second) {
         assert_eq!((&a["outcome"], &a["n"]), (&b["outcome"], &b["n"]));
         let [a_mean, b_mean] = [a, b].map(|row| row["mean"].as_f64().unwrap_or_default());
-        assert!(
-            (a_mean - b_mean).abs() <= 1e-3 * (1.0 + a_mean.abs()),
-            "{a} {b}"
-        );
+        assert!((a_mean - b_mean).abs() <= 1e-3 * (1.0 + a_mean.abs()), "{a} {b}");
     }
 }
 
@@ -238,10 +197,7 @@ fn an_export_says_what_it_holds_and_is_whole_or_not_there() {
         format!("# Person03 did not understand item 2\n{scale}"),
     );
     let before = files(&study.path("a"));
-    export(&[]).failed(
-        1,
-        &["comfort.toml", "names `Person03`", "take the name out"],
-    );
+    export(&[]).failed(1, &["comfort.toml", "names `Person03`", "take the name out"]);
     assert_eq!(files(&study.path("a")), before);
     let elsewhere = "export --key ../key --out ../b/c/shared";
     let ran = study.mine(elsewhere);

@@ -23,31 +23,19 @@ fn variants_are_kept_compared_and_cleaned_side_by_side() {
     novels(&study, "one");
     let words = "one/pipelines/words.toml";
     study.maveric(&["run", words]).ok();
-    study
-        .maveric(&["run", words, "--variant", "two", "--set", "top=2"])
-        .ok();
+    study.maveric(&["run", words, "--variant", "two", "--set", "top=2"]).ok();
     assert!(study.path("one/made/table.csv").exists());
     assert!(study.path("one/made-two/table.csv").exists());
-    let differ = study
-        .maveric(&["diff", words, "--variant", "two"])
-        .ok()
-        .stdout;
+    let differ = study.maveric(&["diff", words, "--variant", "two"]).ok().stdout;
     tells(&differ, &["parameter `top` changed from 3 to 2"]);
     assert!(!differ.contains("`out`"), "{differ}");
     study
         .maveric(&["diff", words, "--variant", "three"])
         .failed(2, &["no variant `three`", "there are two"]);
-    study
-        .maveric(&["diff", words])
-        .failed(2, &["name two runs"]);
-    study
-        .maveric(&["run", words, "--variant", "../x"])
-        .failed(2, &["cannot name a variant"]);
+    study.maveric(&["diff", words]).failed(2, &["name two runs"]);
+    study.maveric(&["run", words, "--variant", "../x"]).failed(2, &["cannot name a variant"]);
     study.write("one/made-two/rows/mine.txt", "");
-    let cleaned = study
-        .maveric(&["clean", words, "--variant", "two"])
-        .ok()
-        .stdout;
+    let cleaned = study.maveric(&["clean", words, "--variant", "two"]).ok().stdout;
     assert!(cleaned.contains("removed made-two/table.csv"), "{cleaned}");
     assert!(study.path("one/made/table.csv").exists());
     assert!(study.path("one/made-two/rows/mine.txt").exists());
@@ -63,14 +51,7 @@ fn a_stage_can_print_the_command_that_makes_it_again() {
         "name = 'p'\n[params]\nout = 'made'\nword = 'a'\n[[stage]]\nname = 'page'\n\
          cmd = ['sh', '-c', 'echo \"$1\" {word} > {out}', 'sh', '{command}']\noutputs = ['{out}']\n",
     );
-    let args = [
-        "run",
-        "mine/pipelines/p.toml",
-        "--variant",
-        "b",
-        "--set",
-        "word=it is",
-    ];
+    let args = ["run", "mine/pipelines/p.toml", "--variant", "b", "--set", "word=it is"];
     study.maveric(&[&args[..], &["-j", "2"]].concat()).ok();
     let page = study.read("mine/made-b");
     let expected = "maveric run pipelines/p.toml --variant b --set 'word=it is' it is\n";
@@ -84,9 +65,7 @@ fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
     novels(&study, "one");
     novels(&study, "two");
     let (one, two) = ("one/pipelines/words.toml", "two/pipelines/words.toml");
-    let ran = study
-        .maveric(&["run", one, "-j", "2", "--cache", "cache"])
-        .ok();
+    let ran = study.maveric(&["run", one, "-j", "2", "--cache", "cache"]).ok();
     assert!(ran.stdout.contains("moby,1851,the and i"), "{}", ran.stdout);
     let taken = study.maveric(&["run", two, "--cache", "cache"]).ok();
     tells(&taken.stderr, &["[9/9] table: taken from the cache"]);
@@ -100,11 +79,7 @@ fn a_pipeline_of_someone_elses_is_run_verified_traced_compared_and_cleaned() {
     study.write("two/made/table.csv", "edited by hand\n");
     let verified = study.maveric(&["verify", two]);
     assert_eq!(verified.status, Some(1));
-    assert!(
-        verified
-            .stdout
-            .contains("made/table.csv, which it makes, has another content")
-    );
+    assert!(verified.stdout.contains("made/table.csv, which it makes, has another content"));
     let cleaned = study.maveric(&["clean", two]).ok().stdout;
     assert!(cleaned.contains("kept made/table.csv"), "{cleaned}");
     let graph = study.maveric(&["graph", one]).ok().stdout;

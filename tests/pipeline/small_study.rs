@@ -19,10 +19,7 @@ fn states(report: &str) -> Vec<(String, String)> {
 
 fn is_page(path: &Path) {
     let page = std::fs::read_to_string(path).unwrap();
-    assert!(
-        page.contains("ynthetic participants"),
-        "the page says who these people are"
-    );
+    assert!(page.contains("ynthetic participants"), "the page says who these people are");
     assert!(!page.contains("NaN"), "no NaN on the page");
     assert!(
         !page.contains("src=\"http") && !page.contains("href=\"http"),
@@ -74,10 +71,7 @@ fn bad_results_are_said(study: &TempStudy) {
         ],
     );
     assert!(!page.contains("<script>alert") && !page.contains("NaN"));
-    study.write(
-        path,
-        text.replacen("\"participants\"", "\"participants\": 1e999, \"x\"", 1),
-    );
+    study.write(path, text.replacen("\"participants\"", "\"participants\": 1e999, \"x\"", 1));
     study.maveric(&report).failed(1, &["analysis.json"]);
     study.write(path, text);
     std::fs::write(excluded, kept).unwrap();
@@ -114,11 +108,7 @@ fn steps_of_the_dial_are_told(study: &TempStudy) {
 fn the_small_study_runs_once_and_then_only_what_changed() {
     let study = TempStudy::new();
     let ran = study.maveric(&["run", SMOKE, "-j", "2"]).ok();
-    assert!(
-        ran.stdout.contains("index.html"),
-        "it says where the report is: {}",
-        ran.stdout
-    );
+    assert!(ran.stdout.contains("index.html"), "it says where the report is: {}", ran.stdout);
     is_page(&study.path("reports/smoke/index.html"));
     for figure in [
         "domain",
@@ -147,37 +137,16 @@ fn the_small_study_runs_once_and_then_only_what_changed() {
     bad_results_are_said(&study);
     let again = study.maveric(&["run", SMOKE, "--format", "json"]).ok();
     assert!(
-        states(&again.stdout)
-            .iter()
-            .all(|(_, state)| state == "up_to_date"),
+        states(&again.stdout).iter().all(|(_, state)| state == "up_to_date"),
         "{}",
         again.stdout
     );
-    assert!(
-        study
-            .maveric(&["run", SMOKE])
-            .ok()
-            .stdout
-            .contains("nothing was run")
-    );
+    assert!(study.maveric(&["run", SMOKE]).ok().stdout.contains("nothing was run"));
 
-    let moved = study
-        .maveric(&["run", SMOKE, "--set", "points=10", "--format", "json"])
-        .ok();
-    let upstream = [
-        "generate",
-        "ingest-study1",
-        "ingest-study2",
-        "score",
-        "train",
-        "personalize",
-    ];
+    let moved = study.maveric(&["run", SMOKE, "--set", "points=10", "--format", "json"]).ok();
+    let upstream = ["generate", "ingest-study1", "ingest-study2", "score", "train", "personalize"];
     for (stage, state) in states(&moved.stdout) {
-        let expected = if upstream.contains(&stage.as_str()) {
-            "up_to_date"
-        } else {
-            "done"
-        };
+        let expected = if upstream.contains(&stage.as_str()) { "up_to_date" } else { "done" };
         assert_eq!(state, expected, "{stage}");
     }
 }
@@ -198,10 +167,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         assert!(log(&once) == log(&twice), "{file} differs");
     }
     let again = log("run/logs/study2-again/S2P03-own-again.mcap");
-    assert!(
-        again != log("run/logs/study2/S2P03-own.mcap"),
-        "another day"
-    );
+    assert!(again != log("run/logs/study2/S2P03-own.mcap"), "another day");
 
     for drives in ["study1", "study2", "study1-again", "study2-again"] {
         let (from, to) = (format!("run/logs/{drives}"), format!("run/drives/{drives}"));
@@ -234,10 +200,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     assert_eq!(model["fidelity"].as_array().unwrap().len(), 7);
     assert_eq!(found["retest"].as_array().unwrap().len(), 7);
     let errors = &model["errors"];
-    assert_eq!(
-        (&errors["people"], &errors["coordinates"]),
-        (&3.into(), &9.into())
-    );
+    assert_eq!((&errors["people"], &errors["coordinates"]), (&3.into(), &9.into()));
     let within = |k: &str| errors[k]["estimate"].as_f64().unwrap();
     assert!(within("within_1") <= within("within_2"), "{errors}");
     let days = model["days_of"].as_u64().unwrap();
@@ -267,34 +230,19 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
         "perpendicular",
         "line",
     ] {
-        assert!(
-            study
-                .path(&format!("found/tables/validation-{table}.csv"))
-                .exists()
-        );
+        assert!(study.path(&format!("found/tables/validation-{table}.csv")).exists());
     }
     let ablate = "ablate --drives run/drives/study1 --out parts";
     let short = format!("{ablate} --sizes 1 --windows 2 --folds 2 --epochs 1");
     let ran = study.maveric(&argv(&short)).ok();
-    for variant in [
-        "size 3",
-        "size 1",
-        "window 2 s",
-        "without w",
-        "linear with w",
-        "own means",
-    ] {
+    for variant in ["size 3", "size 1", "window 2 s", "without w", "linear with w", "own means"] {
         assert!(ran.stdout.contains(variant), "{}", ran.stdout);
     }
     let page = study.read("parts/index.html");
     assert!(page.contains("Synthetic participants") && !page.contains("NaN"));
     assert!(study.path("parts/ablation.json").exists());
-    study
-        .maveric(&argv(&format!("{ablate} --folds 40")))
-        .failed(1, &["40"]);
-    study
-        .maveric(&argv("validate once --model model.maveric --out none"))
-        .failed(1, &["once"]);
+    study.maveric(&argv(&format!("{ablate} --folds 40"))).failed(1, &["40"]);
+    study.maveric(&argv("validate once --model model.maveric --out none")).failed(1, &["once"]);
 }
 
 #[test]
@@ -306,16 +254,12 @@ fn the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two() {
         run(&format!("{generate} --out {out}"));
         let drives = format!("{out}/drives");
         run(&format!("ingest {out}/logs/study1 --out {drives}"));
-        run(&format!(
-            "train --drives {drives} --out {out}/model.maveric --epochs 2"
-        ));
+        run(&format!("train --drives {drives} --out {out}/model.maveric --epochs 2"));
     }
     // Fewer people into the same folder: nobody who is no longer listed stays.
     let three = |people: &str| {
         let line = format!("generate --out three --study1 {people} --study2 1");
-        study
-            .maveric(&argv(&format!("{line} --duration 60 --seed 7")))
-            .ok();
+        study.maveric(&argv(&format!("{line} --duration 60 --seed 7"))).ok();
     };
     three("2");
     assert!(study.path("three/logs/study1/S1P02-own.mcap").exists());
@@ -343,11 +287,7 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     // Many epochs: the run must not be over before it is interrupted.
     let paper = ["run", SMOKE, "--set", "heads=paper"];
     let mut command = study.command(&[&paper[..], &["--set", "epochs=2000"]].concat());
-    let mut child = command
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let first = study.path("study_data/generated/smoke/scores.csv");
     for _ in 0..3000 {
         if first.exists() {
@@ -363,13 +303,8 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     assert!(killed.success());
     let ended = child.wait().unwrap();
     assert_eq!(ended.code(), Some(130));
-    let next = study
-        .maveric(&[&paper[..], &["--format", "json"]].concat())
-        .ok();
-    let generate = states(&next.stdout)
-        .into_iter()
-        .find(|(stage, _)| stage == "generate")
-        .unwrap();
+    let next = study.maveric(&[&paper[..], &["--format", "json"]].concat()).ok();
+    let generate = states(&next.stdout).into_iter().find(|(stage, _)| stage == "generate").unwrap();
     assert_eq!(generate.1, "up_to_date");
     let page = study.path("reports/smoke/index.html");
     is_page(&page);
@@ -378,11 +313,7 @@ fn an_interrupted_run_ends_with_130_and_goes_on_where_it_stopped() {
     assert!(study.path("reports/smoke/figures").is_dir());
     let figures = std::fs::read_dir(study.path("reports/smoke/figures")).unwrap();
     let names = figures.map(|f| f.unwrap().file_name().to_string_lossy().into_owned());
-    assert!(
-        names
-            .into_iter()
-            .any(|name| name.starts_with("architecture"))
-    );
+    assert!(names.into_iter().any(|name| name.starts_with("architecture")));
 }
 
 #[test]
@@ -390,32 +321,21 @@ fn other_settings_in_the_same_place_and_elsewhere_leave_nothing_behind() {
     let study = TempStudy::new();
     let run = |more: &[&str]| {
         let short = argv("-j 2 --set epochs=2 --set duration=60");
-        study
-            .maveric(&[&["run", SMOKE], &short[..], more].concat())
-            .ok()
+        study.maveric(&[&["run", SMOKE], &short[..], more].concat()).ok()
     };
     let numbers = || std::fs::read(study.path("study_data/generated/smoke/analysis.json")).unwrap();
     let files = || {
         let drives = std::fs::read_dir(study.path("study_data/generated/smoke/drives/study2"));
-        let names = drives
-            .unwrap()
-            .map(|f| f.unwrap().file_name().into_string().unwrap());
+        let names = drives.unwrap().map(|f| f.unwrap().file_name().into_string().unwrap());
         names.collect::<std::collections::BTreeSet<_>>()
     };
     run(&[]);
     let (first, drives) = (numbers(), files());
     let replaced = run(&["--set", "study2=4"]);
     let said = "the former results (study2=3, now 4) were replaced; `--variant NAME` keeps both";
-    assert_eq!(
-        replaced.stderr.matches(said).count(),
-        1,
-        "{}",
-        replaced.stderr
-    );
+    assert_eq!(replaced.stderr.matches(said).count(), 1, "{}", replaced.stderr);
     assert!(numbers() != first && files().len() > drives.len());
-    run(&argv(
-        "--set seed=2 --set out=study_data/generated/two --set report=reports/two",
-    ));
+    run(&argv("--set seed=2 --set out=study_data/generated/two --set report=reports/two"));
     run(&[]);
     assert!(numbers() == first, "the first numbers again");
     assert_eq!(files(), drives);
@@ -426,9 +346,7 @@ fn other_settings_in_the_same_place_and_elsewhere_leave_nothing_behind() {
     let leftover = "study_data/generated/smoke/drives/study2/S2P04-own.parquet";
     study.write(leftover, "a drive");
     let short = ["run", SMOKE, "--set", "epochs=2", "--set", "duration=60"];
-    study
-        .maveric(&short)
-        .failed(1, &["S2P04-own.parquet", "made by no run", "--move-aside"]);
+    study.maveric(&short).failed(1, &["S2P04-own.parquet", "made by no run", "--move-aside"]);
     assert!(study.path(leftover).exists());
     run(&["--move-aside"]);
     assert!(numbers() == first && files() == drives);

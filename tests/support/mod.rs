@@ -125,10 +125,7 @@ impl TempStudy {
 
     pub fn command(&self, args: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_maveric"));
-        command
-            .args(args)
-            .current_dir(self.folder.path())
-            .env("NO_COLOR", "1");
+        command.args(args).current_dir(self.folder.path()).env("NO_COLOR", "1");
         command
     }
 
@@ -176,13 +173,7 @@ impl Ran {
     /// It failed with `status`, said every one of `words` on stderr, printed nothing and did not panic.
     #[track_caller]
     pub fn failed(self, status: i32, words: &[&str]) -> Self {
-        assert_eq!(
-            self.status,
-            Some(status),
-            "{}\n{}",
-            self.stdout,
-            self.stderr
-        );
+        assert_eq!(self.status, Some(status), "{}\n{}", self.stdout, self.stderr);
         assert!(self.stdout.is_empty(), "stdout: {}", self.stdout);
         tells(&self.stderr, words);
         assert!(

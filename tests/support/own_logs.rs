@@ -19,12 +19,7 @@ pub fn table(kmh: f64, gap_m: f64, car: &str) -> String {
         let left = (20.0..40.0).contains(&t);
         let offset = if left { 3.66 } else { 0.0 };
         let gap = gap_m + 2.0 * (t / 7.0).sin();
-        let _ = writeln!(
-            text,
-            "{t},{},{offset},{kmh},{gap},{},{car}",
-            mps * t,
-            kmh - 4.0
-        );
+        let _ = writeln!(text, "{t},{},{offset},{kmh},{gap},{},{car}", mps * t, kmh - 4.0);
     }
     text
 }
@@ -100,30 +95,18 @@ pub fn recorded(conditions: &[&str]) -> TempStudy {
 pub fn recorded_of(people: &[&str], conditions: &[&str]) -> TempStudy {
     let study = TempStudy::new();
     let list = conditions.join(",");
-    study
-        .maveric(&["init", "mine", "--conditions", &list, "--style", "none"])
-        .ok();
-    let own = [
-        ("comfort", scale("comfort", 3, 1, 7, "mean")),
-        ("hurry", scale("hurry", 2, 1, 5, "sum")),
-    ];
+    study.maveric(&["init", "mine", "--conditions", &list, "--style", "none"]).ok();
+    let own =
+        [("comfort", scale("comfort", 3, 1, 7, "mean")), ("hurry", scale("hurry", 2, 1, 5, "sum"))];
     only_scales(&study, "mine", &own);
-    study.write(
-        "mine/surveys/answers.csv",
-        answers(people, &SCALES, conditions),
-    );
+    study.write("mine/surveys/answers.csv", answers(people, &SCALES, conditions));
     let names = "[names]\nfile = \"{who}-{condition}\"\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"\n";
     study.write("mine/mapping.toml", format!("{names}{TABLE}"));
-    let rows: Vec<String> = people
-        .iter()
-        .map(|p| format!("{p},,30,,{}", conditions.join(" ")))
-        .collect();
+    let rows: Vec<String> =
+        people.iter().map(|p| format!("{p},,30,,{}", conditions.join(" "))).collect();
     study.write(
         "mine/participants.csv",
-        format!(
-            "participant,population,age,gender,order\n{}\n",
-            rows.join("\n")
-        ),
+        format!("participant,population,age,gender,order\n{}\n", rows.join("\n")),
     );
     for (i, who) in people.iter().enumerate() {
         for (place, condition) in ["own"].iter().chain(conditions).enumerate() {
@@ -141,9 +124,7 @@ pub const TO_THE_NUMBERS: &str = "run measure score score-ratings";
 
 /// Participant and condition of every drive that can be measured.
 pub fn measured(study: &TempStudy) -> Vec<(String, String)> {
-    study
-        .mine("measure --drives results/drives --out m.csv")
-        .ok();
+    study.mine("measure --drives results/drives --out m.csv").ok();
     let text = study.read("mine/m.csv");
     let cells = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();

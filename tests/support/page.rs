@@ -20,9 +20,7 @@ fn without(html: &str, tag: &str) -> String {
 impl Page {
     pub fn read(path: &Path) -> Self {
         let html = std::fs::read_to_string(path).unwrap();
-        let html = ["script", "style", "pre"]
-            .iter()
-            .fold(html, |html, tag| without(&html, tag));
+        let html = ["script", "style", "pre"].iter().fold(html, |html, tag| without(&html, tag));
         let mut text = String::new();
         for part in html.split('<') {
             // Marks stand within words; everything else divides them.
@@ -34,10 +32,7 @@ impl Page {
             text.push_str(if within { "" } else { " " });
             text.push_str(rest);
         }
-        let text = text
-            .replace("&#39;", "'")
-            .replace("&lt;", "<")
-            .replace("&#x2f;", "/");
+        let text = text.replace("&#39;", "'").replace("&lt;", "<").replace("&#x2f;", "/");
         Self(text.split_whitespace().collect::<Vec<_>>().join(" "))
     }
 

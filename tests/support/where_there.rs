@@ -1,10 +1,6 @@
 //! Tests that need what is not everywhere. One whose need is not met is not run: it counts as ignored, by its name, and the reason is said.
 
-#![allow(
-    dead_code,
-    unreachable_pub,
-    reason = "each test file uses its own part of this"
-)]
+#![allow(dead_code, unreachable_pub, reason = "each test file uses its own part of this")]
 
 use libtest_mimic::{Arguments, Trial};
 use std::{
@@ -18,9 +14,7 @@ pub fn trial(
     missing: Option<String>,
     test: impl FnOnce() + Send + 'static,
 ) -> Trial {
-    let ignored = missing
-        .inspect(|why| eprintln!("skipped: {name}: {why}"))
-        .is_some();
+    let ignored = missing.inspect(|why| eprintln!("skipped: {name}: {why}")).is_some();
     let test = || {
         test();
         Ok(())

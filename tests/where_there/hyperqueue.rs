@@ -15,10 +15,7 @@ use std::{
 pub(crate) fn tests() -> Vec<Trial> {
     let killed = "the_small_study_comes_out_the_same_when_a_worker_is_killed_at_work";
     let many = "every_one_of_many_tasks_makes_its_own_and_none_is_left_to_do";
-    vec![
-        trial(killed, runs("hq").err(), killed_at_work),
-        trial(many, runs("hq").err(), many_tasks),
-    ]
+    vec![trial(killed, runs("hq").err(), killed_at_work), trial(many, runs("hq").err(), many_tasks)]
 }
 
 /// A server and its workers, which end with it.
@@ -39,11 +36,7 @@ impl Cluster {
         }
         let worker = ["worker", "start", "--cpus", "1", "--heartbeat", "1s"];
         let workers = (0..workers).map(|_| started(folder.path(), &worker));
-        Self {
-            workers: workers.collect(),
-            server,
-            folder,
-        }
+        Self { workers: workers.collect(), server, folder }
     }
 
     fn maveric(&self, study: &TempStudy, args: &[&str]) -> Command {
@@ -92,9 +85,7 @@ fn works(pid: u32) -> bool {
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let name = |path: &Path| path.strip_prefix(folder).unwrap().display().to_string();
     let paths = files(folder).into_iter();
-    paths
-        .map(|path| (name(&path), std::fs::read(&path).unwrap()))
-        .collect()
+    paths.map(|path| (name(&path), std::fs::read(&path).unwrap())).collect()
 }
 
 /// What the small study's run made, but for logs and what a run notes of itself.
@@ -127,15 +118,9 @@ fn killed_at_work() {
     local.maveric(&["run", "pipelines/smoke.toml"]).ok();
     let (here, there) = (made(&local), made(&study));
     assert!(here.len() > 50, "{} files", here.len());
-    assert_eq!(
-        here.keys().collect::<Vec<_>>(),
-        there.keys().collect::<Vec<_>>()
-    );
-    let differ: Vec<&String> = here
-        .iter()
-        .filter(|(name, bytes)| there[*name] != **bytes)
-        .map(|f| f.0)
-        .collect();
+    assert_eq!(here.keys().collect::<Vec<_>>(), there.keys().collect::<Vec<_>>());
+    let differ: Vec<&String> =
+        here.iter().filter(|(name, bytes)| there[*name] != **bytes).map(|f| f.0).collect();
     assert!(differ.is_empty(), "{differ:?} differ");
 }
 

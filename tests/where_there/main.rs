@@ -1,10 +1,6 @@
 //! The program with what is not everywhere: recordings, a scheduler, LaTeX, a disk of its own.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 #[cfg(target_os = "linux")]
 mod hyperqueue;

@@ -7,12 +7,9 @@ use std::process::Command;
 
 /// The test, with the program that it needs.
 pub(crate) fn tests() -> Vec<Trial> {
-    let latex = ["tectonic", "pdflatex"]
-        .into_iter()
-        .find(|program| runs(program).is_ok());
-    let missing = latex
-        .is_none()
-        .then(|| "neither tectonic nor pdflatex is on the PATH".to_owned());
+    let latex = ["tectonic", "pdflatex"].into_iter().find(|program| runs(program).is_ok());
+    let missing =
+        latex.is_none().then(|| "neither tectonic nor pdflatex is on the PATH".to_owned());
     let name = "a_small_paper_compiles_with_the_numbers_methods_and_results_of_the_page";
     vec![trial(name, missing, move || compile(latex.unwrap()))]
 }
@@ -22,9 +19,7 @@ fn compile(latex: &str) {
     study.maveric(&["run", "pipelines/smoke.toml"]).ok();
     let manuscript = study.path("reports/smoke/manuscript");
     let numbers = std::fs::read_to_string(manuscript.join("numbers.tex")).unwrap();
-    let lines = numbers
-        .lines()
-        .filter_map(|line| line.strip_prefix("\\newcommand{\\"));
+    let lines = numbers.lines().filter_map(|line| line.strip_prefix("\\newcommand{\\"));
     let found = lines.filter_map(|rest| rest.split('}').next());
     // Every macro is used, the tables as they are, one figure as PDF.
     let used: Vec<String> = found.map(|name| format!("\\{name}{{}}\\par")).collect();
@@ -42,11 +37,7 @@ fn compile(latex: &str) {
     if latex == "pdflatex" {
         command.args(["-interaction=nonstopmode", "-halt-on-error"]);
     }
-    let ran = command
-        .arg("paper.tex")
-        .current_dir(&manuscript)
-        .output()
-        .unwrap();
+    let ran = command.arg("paper.tex").current_dir(&manuscript).output().unwrap();
     let said =
         String::from_utf8_lossy(&ran.stdout).into_owned() + &String::from_utf8_lossy(&ran.stderr);
     let end: String = said

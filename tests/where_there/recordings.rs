@@ -65,15 +65,9 @@ fn openacc_goes_from_csv_to_the_table_of_errors() {
     assert!(following.contains("platoon10-f2"), "each driver is there");
     let page = study.read("reports/openacc/index.html");
     assert!(page.contains("IDM, population and own time gap"));
-    assert!(
-        !page.contains("ynthetic participants"),
-        "these people are real"
-    );
+    assert!(!page.contains("ynthetic participants"), "these people are real");
     let training = study.read("study_data/generated/openacc/model_training.json");
-    assert!(
-        training.contains("left_out"),
-        "the losses without data are named"
-    );
+    assert!(training.contains("left_out"), "the losses without data are named");
 }
 
 fn six_real_drivers_are_left_out_in_turn() {
@@ -112,12 +106,7 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
     let found = study.json("study_data/generated/ngsim/following.json");
     let gaps = &found["drivers"][0]["series"]["gap_m"];
     // Recorded in feet: metres after reading, so dense traffic stays below 40.
-    assert!(
-        gaps.as_array()
-            .unwrap()
-            .iter()
-            .all(|g| g.as_f64().unwrap() < 40.0)
-    );
+    assert!(gaps.as_array().unwrap().iter().all(|g| g.as_f64().unwrap() < 40.0));
     let methods = ["idm_population", "idm_population_own_time_gap", "idm_own"];
     // As they were before other methods were removed.
     let before_m = [3.84, 2.25, 2.02];
@@ -125,10 +114,7 @@ fn ngsim_pairs_in_feet_go_to_the_same_table() {
     assert_eq!(means.len(), methods.len());
     for ((mean, method), before_m) in means.iter().zip(methods).zip(before_m) {
         assert_eq!(mean["method"], method);
-        assert!(
-            (mean["gap_rmse_m"].as_f64().unwrap() - before_m).abs() < 0.02,
-            "{mean}"
-        );
+        assert!((mean["gap_rmse_m"].as_f64().unwrap() - before_m).abs() < 0.02, "{mean}");
         assert_eq!(mean["reached_zero"], 0);
     }
     for driver in found["drivers"].as_array().unwrap() {
@@ -151,13 +137,7 @@ fn people_are_judged_by_what_was_learned_from_others() {
     let mut files: Vec<_> = std::fs::read_dir(data)
         .unwrap()
         .map(|entry| entry.unwrap().path())
-        .filter(|path| {
-            path.file_name()
-                .unwrap()
-                .to_str()
-                .unwrap()
-                .starts_with("i80")
-        })
+        .filter(|path| path.file_name().unwrap().to_str().unwrap().starts_with("i80"))
         .collect();
     files.sort();
     for (at, file) in files.iter().take(6).enumerate() {
@@ -168,9 +148,7 @@ fn people_are_judged_by_what_was_learned_from_others() {
     for group in ["learned", "judged"] {
         let drives = format!("{group}_drives");
         let mapping = "study_data/mappings/ngsim_pairs.toml";
-        study
-            .maveric(&["ingest", group, "--mapping", mapping, "--out", &drives])
-            .ok();
+        study.maveric(&["ingest", group, "--mapping", mapping, "--out", &drives]).ok();
     }
     let evaluate = "evaluate --drives judged_drives --learn learned_drives \
                     --moving-above-mps 1 --out following.json";
@@ -195,9 +173,7 @@ fn without_the_recordings_the_message_says_how_to_get_them() {
 fn a_pose_recording_ingests_without_a_lead_vehicle() {
     let log = shared("mcap/cub_pose_flight.mcap").unwrap();
     let study = TempStudy::new();
-    study
-        .maveric(&["ingest", log.to_str().unwrap(), "--out", "drives"])
-        .ok();
+    study.maveric(&["ingest", log.to_str().unwrap(), "--out", "drives"]).ok();
     let list = study.read("drives/drives.csv");
     assert_eq!(list.lines().count(), 2, "{list}");
 }

@@ -8,9 +8,8 @@ use std::{fmt::Write as _, path::Path, process::Command};
 /// The test, if a disk can be made for it.
 pub(crate) fn tests() -> Vec<Trial> {
     let mounted = on_small_disk(&TempStudy::new(), "16k", "true");
-    let missing = mounted
-        .is_none()
-        .then(|| "no file system of its own may be mounted here".to_owned());
+    let missing =
+        mounted.is_none().then(|| "no file system of its own may be mounted here".to_owned());
     let name = "a_full_disk_is_an_error_that_says_so_and_leaves_nothing_half_written";
     vec![trial(name, missing, full_disk)]
 }
@@ -54,10 +53,7 @@ fn full_disk() {
     let table = "t,x_follower,v_follower,x_leader,v_leader,leader_length,spacing\n";
     study.write("oa_pair_r_f2_c.csv", format!("{table}{rows}"));
     let calls = [
-        (
-            "64k",
-            "generate --learn 2 --test 1 --duration 60 --out disk/out/logs",
-        ),
+        ("64k", "generate --learn 2 --test 1 --duration 60 --out disk/out/logs"),
         (
             "16k",
             "ingest oa_pair_r_f2_c.csv --mapping study_data/mappings/openacc.toml --out disk/out/drives",
@@ -69,14 +65,8 @@ fn full_disk() {
         assert!(said.contains("No space left on device"), "{call}: {said}");
         assert!(said.contains("disk/"), "{call} names no file: {said}");
         // What stands there is whole: what was begun is gone.
-        assert!(
-            left.starts_with("status 1\n") && left.contains("disk/out/kept.txt"),
-            "{left}"
-        );
-        assert!(
-            !left.contains(".maveric") && !left.contains(".tmp"),
-            "{left}"
-        );
+        assert!(left.starts_with("status 1\n") && left.contains("disk/out/kept.txt"), "{left}");
+        assert!(!left.contains(".maveric") && !left.contains(".tmp"), "{left}");
     }
     assert!(listed(&study.path("disk")).is_empty(), "mounted over");
 }

@@ -41,16 +41,9 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
         let number = |name: &str| cells[at(name)].parse::<f64>().unwrap();
         assert!((1.0..=6.0).contains(&number("adb_hat")), "{line}");
         assert!(number("moved_points").abs() < 0.86, "{line}");
-        assert!(
-            (number("moved_points") > 0.0) == (cells[at("condition")] == "sporty"),
-            "{line}"
-        );
+        assert!((number("moved_points") > 0.0) == (cells[at("condition")] == "sporty"), "{line}");
     }
-    assert!(
-        study
-            .read("mine/results/ratings.csv")
-            .contains(",sporty,jian_trust,")
-    );
+    assert!(study.read("mine/results/ratings.csv").contains(",sporty,jian_trust,"));
     page(&study, "mine")
         .says(&[
             "Synthetic participants: 4 drives to learn from, 3 participants in two conditions: Calm and Sporty",
@@ -69,16 +62,11 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
         .says(&["To repeat maveric report results --participants participants.csv --out again"]);
     // What is given away has what they said, and is analysed anew with that and as long drives.
     study.write("key", "a secret of this test alone");
-    study
-        .mine("export --key ../key --out ../shared --pipeline")
-        .ok();
+    study.mine("export --key ../key --out ../shared --pipeline").ok();
     tells(&study.read("shared/surveys.csv"), &[",sporty,jian_trust,"]);
     tells(
         &study.read("shared/README.md"),
-        &[
-            "`maveric run pipeline.toml` in this folder",
-            "after a condition",
-        ],
+        &["`maveric run pipeline.toml` in this folder", "after a condition"],
     );
     let pipeline = study.read("shared/pipeline.toml");
     tells(&pipeline, &["duration = 120", "answers = \"surveys.csv\""]);
@@ -94,43 +82,26 @@ fn a_dial_of_another_score_rehearsed_with_made_up_people() {
     let (first, again) = (trust("mine"), trust("shared"));
     assert!(!first.is_empty() && first.len() == again.len());
     for (a, b) in first.iter().zip(&again) {
-        assert!(
-            (a.unwrap() - b.unwrap()).abs() < 1e-9,
-            "{first:?} {again:?}"
-        );
+        assert!((a.unwrap() - b.unwrap()).abs() < 1e-9, "{first:?} {again:?}");
     }
     // Real people are never replaced.
     study.write("mine/participants.csv", "participant,part\nP01,test\n");
     let generate = argv("generate --design mine/study.toml --learn 4 --test 3");
-    study.maveric(&generate).failed(
-        1,
-        &[
-            "mine/participants.csv",
-            "holds 1 person who was not made up",
-        ],
-    );
+    study
+        .maveric(&generate)
+        .failed(1, &["mine/participants.csv", "holds 1 person who was not made up"]);
 }
 
 #[test]
 fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from_elsewhere() {
     let study = TempStudy::new();
-    synthetic(
-        &study,
-        "mine",
-        "calmer,calm,own_style,brisk,brisker",
-        "adb.total",
-    );
+    synthetic(&study, "mine", "calmer,calm,own_style,brisk,brisker", "adb.total");
     let by_hand = "[[role]]\nid = \"brisk\"\n\n[[role]]\nid = \"calm\"\n\n[baseline]";
     change(&study, "mine/study.toml", "[baseline]", by_hand);
     change(&study, "mine/study.toml", "id = \"own\"", "id = \"hand\"");
     // Items from 1 to 6: a score of 11 to 66.
     change(&study, "mine/scales/adb.toml", "max = 5", "max = 6");
-    change(
-        &study,
-        "mine/study.toml",
-        "range = [11, 55]",
-        "range = [11, 66]",
-    );
+    change(&study, "mine/study.toml", "range = [11, 55]", "range = [11, 66]");
     generate(&study, "mine", "6", "3");
     // One of the six is a professional and demonstrates both roles.
     let logs = std::fs::read_dir(study.path("mine/logs/study1")).unwrap();
@@ -159,9 +130,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
     change(&study, "theirs/study.toml", "[people]", elsewhere);
     change(&study, "theirs/study.toml", "learn = {", "# learn = {");
     generate(&study, "theirs", "0", "3");
-    let ran = study
-        .maveric_in("theirs", &["run", "--set", "duration=120"])
-        .ok();
+    let ran = study.maveric_in("theirs", &["run", "--set", "duration=120"]).ok();
     assert!(!ran.stderr.contains("train:"), "{}", ran.stderr);
     let conditions = study.read("theirs/results/conditions.csv");
     assert_eq!(conditions.lines().count(), 1 + 3 * 2);
@@ -189,9 +158,7 @@ fn five_conditions_on_a_dial_of_11_to_66_points_with_roles_and_then_a_model_from
 fn cells(table: &str) -> Vec<BTreeMap<&str, &str>> {
     let mut lines = table.lines().map(|line| line.split(','));
     let header: Vec<&str> = lines.next().unwrap().collect();
-    lines
-        .map(|line| header.iter().copied().zip(line).collect())
-        .collect()
+    lines.map(|line| header.iter().copied().zip(line).collect()).collect()
 }
 
 /// The lender's model reads 11 to 66 points, the borrower's study says 11 to 55: all that its stages say is in points of the latter.
@@ -225,11 +192,7 @@ fn is_on_the_borrowers_scale(study: &TempStudy) {
         near(number(row, "moved_points"), moved * 44.0 / 55.0);
         if row["clamped"] == "false" {
             // Half a step of 15 points, towards the side of the condition.
-            let side = if row["condition"] == "brisk" {
-                1.0
-            } else {
-                -1.0
-            };
+            let side = if row["condition"] == "brisk" { 1.0 } else { -1.0 };
             near(moved, side * 7.5 * 55.0 / 44.0);
             whole_steps += 1;
         }
@@ -260,13 +223,7 @@ fn the_average_driver_needs_no_style() {
             "3 participants in two conditions: Average and Again",
             "Average is the average driver",
         ])
-        .is_silent_of(&[
-            "the style",
-            "points of",
-            "on the line",
-            "gradient of",
-            "mimic",
-        ]);
+        .is_silent_of(&["the style", "points of", "on the line", "gradient of", "mimic"]);
 }
 
 /// The logarithm of the odds ratio for 1 m/s² of braking before a press, with its standard error; whether any cause has p < .05 after Holm.
@@ -276,9 +233,7 @@ fn braking_before_a_press(study: &TempStudy) -> ([f64; 2], bool) {
     let braking = rows.iter().find(|row| row["precursor"] == "braking_mps2");
     let test = &braking.unwrap()["test"];
     let per_unit = |key: &str| test[key].as_f64().unwrap() / test["sd"].as_f64().unwrap();
-    let any = rows
-        .iter()
-        .any(|row| row["p_holm"].as_f64().is_some_and(|p| p < 0.05));
+    let any = rows.iter().any(|row| row["p_holm"].as_f64().is_some_and(|p| p < 0.05));
     ([per_unit("estimate"), per_unit("se_model")], any)
 }
 
@@ -300,10 +255,7 @@ fn the_cause_of_made_up_presses_is_found_at_its_size_and_none_where_there_is_non
     let run = "run --set epochs=2 --set duration=300 stats";
     study.mine(run).ok();
     let ([estimate, se], any) = braking_before_a_press(&study);
-    assert!(
-        any && (estimate - 0.7).abs() < 3.0 * se && se < 0.1,
-        "{estimate} {se}"
-    );
+    assert!(any && (estimate - 0.7).abs() < 3.0 * se && se < 0.1, "{estimate} {se}");
     presses(1.0, 0.0);
     study.mine(run).ok();
     let ([estimate, se], any) = braking_before_a_press(&study);
@@ -316,11 +268,7 @@ fn the_cause_of_made_up_presses_is_found_at_its_size_and_none_where_there_is_non
     let rate = "rate --measures results/measurements.parquet --participants participants.csv --effects effects.toml --scales scales \
                 --drives results/av/drives --out rated.csv --seed 7";
     let told = study.mine(rate);
-    assert!(
-        told.ok()
-            .stderr
-            .contains("seat/events.csv says what was pressed")
-    );
+    assert!(told.ok().stderr.contains("seat/events.csv says what was pressed"));
     assert_eq!(std::fs::read_to_string(&table).unwrap(), pressed);
     std::fs::remove_file(events).unwrap();
     change(&study, "mine/effects.toml", "braking_mps2 =", "breaking =");

@@ -16,15 +16,8 @@ const THE_PAPERS: [&str; 9] = [
     "beside the claims",
 ];
 /// What only a learned car has.
-const LEARNED: [&str; 7] = [
-    "learned",
-    "embedding",
-    "network",
-    "dial",
-    "aggress",
-    "the style",
-    "synthetic",
-];
+const LEARNED: [&str; 7] =
+    ["learned", "embedding", "network", "dial", "aggress", "the style", "synthetic"];
 
 #[test]
 fn three_recorded_cars_two_questionnaires_and_no_style() {
@@ -45,10 +38,7 @@ fn three_recorded_cars_two_questionnaires_and_no_style() {
     assert!(!ratings.contains(",pre,"));
     let found = analysis(&study);
     let velocity = panel(&found, "mean_velocity_mps").unwrap();
-    assert_eq!(
-        (&velocity["n"], &velocity["test"]),
-        (&4.into(), &"t".into())
-    );
+    assert_eq!((&velocity["n"], &velocity["test"]), (&4.into(), &"t".into()));
     assert_eq!(velocity["contrasts"].as_array().unwrap().len(), 3);
     page(&study, "mine")
         .says(&[
@@ -74,13 +64,7 @@ fn three_recorded_cars_two_questionnaires_and_no_style() {
     change(&study, "mine/study.toml", "[baseline]", more);
     let refused = study.mine("run");
     assert_eq!(refused.status, Some(1));
-    tells(
-        &refused.stderr,
-        &[
-            "nobody drove or rated the condition `wild`",
-            "maveric status",
-        ],
-    );
+    tells(&refused.stderr, &["nobody drove or rated the condition `wild`", "maveric status"]);
 }
 
 #[test]
@@ -107,12 +91,8 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
     for condition in ["normal", "sporty"] {
         std::fs::remove_file(study.path(&format!("mine/logs/P06-{condition}.csv"))).unwrap();
     }
-    let broken_off: Vec<String> = study
-        .read("mine/logs/P04-sporty.csv")
-        .lines()
-        .take(400)
-        .map(str::to_owned)
-        .collect();
+    let broken_off: Vec<String> =
+        study.read("mine/logs/P04-sporty.csv").lines().take(400).map(str::to_owned).collect();
     study.write("mine/logs/P04-sporty.csv", broken_off.join("\n"));
     study.write("mine/logs/P09-calm.csv", table(100.0, 30.0, "calm"));
     study.write("mine/logs/P01-wild.csv", table(100.0, 30.0, "wild"));
@@ -124,10 +104,7 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
     study.mine("run").ok();
     let rows = measured(&study);
     let of = |who: &str| rows.iter().filter(|(p, _)| p == who).count();
-    assert_eq!(
-        (of("P01"), of("P02"), of("P03"), of("P04"), of("P09")),
-        (4, 0, 3, 3, 0)
-    );
+    assert_eq!((of("P01"), of("P02"), of("P03"), of("P04"), of("P09")), (4, 0, 3, 3, 0));
     let listed = study.read("mine/results/drives/exclusions.csv");
     tells(
         &listed,
@@ -155,12 +132,7 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
         .as_array()
         .unwrap()
         .iter()
-        .map(|l| {
-            (
-                l["why"].as_str().unwrap(),
-                l["who"].as_array().unwrap().len(),
-            )
-        })
+        .map(|l| (l["why"].as_str().unwrap(), l["who"].as_array().unwrap().len()))
         .collect();
     for (why, n) in [
         ("withdrew consent", 1),
@@ -173,12 +145,8 @@ fn whom_a_rule_leaves_out_is_out_of_drives_answers_tests_tables_and_counts() {
     assert_eq!(flow["drives"].as_array().unwrap().len(), 2);
     for outcome in ["mean_velocity_mps", "comfort.total"] {
         let panel = panel(&found, outcome).unwrap();
-        let asked: Vec<&str> = panel["participants"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|p| p.as_str().unwrap())
-            .collect();
+        let asked: Vec<&str> =
+            panel["participants"].as_array().unwrap().iter().map(|p| p.as_str().unwrap()).collect();
         assert_eq!(asked, ["P01", "P03", "P04", "P07", "P08"]);
         // P03 and P04 each lack one condition.
         assert_eq!(panel["n"], 3, "{outcome}");
@@ -238,10 +206,7 @@ fn two_recorded_cars_without_a_drive_by_hand_and_a_factor_between_people() {
     let text = study.read("mine/study.toml");
     let (head, rest) = text.split_once("[baseline]").unwrap();
     let rest = &rest[rest.find("# [[outcome]]").unwrap()..];
-    study.write(
-        "mine/study.toml",
-        format!("{head}[[factor]]\ncolumn = \"population\"\n\n{rest}"),
-    );
+    study.write("mine/study.toml", format!("{head}[[factor]]\ncolumn = \"population\"\n\n{rest}"));
     let people = ["P01,town", "P02,town", "P03,lab", "P04,lab"].join(",30,,\n");
     study.write(
         "mine/participants.csv",
@@ -262,18 +227,8 @@ fn two_recorded_cars_without_a_drive_by_hand_and_a_factor_between_people() {
         .is_silent_of(&THE_PAPERS)
         .is_silent_of(&LEARNED)
         .is_silent_of(&["by hand", "baseline", "differences from"]);
-    change(
-        &study,
-        "mine/study.toml",
-        "column = \"population\"",
-        "column = \"popualtion\"",
-    );
-    study.mine("ingest --out d").failed(
-        1,
-        &[
-            "participants.csv",
-            "`popualtion`",
-            "did you mean `population`?",
-        ],
-    );
+    change(&study, "mine/study.toml", "column = \"population\"", "column = \"popualtion\"");
+    study
+        .mine("ingest --out d")
+        .failed(1, &["participants.csv", "`popualtion`", "did you mean `population`?"]);
 }

@@ -47,10 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let analysis = analyse(&StudyData::new(&design, tables)?, Purpose::Report)?;
     for contrast in &analysis.panels[0].contrasts {
         let [kmh, p] = [contrast.mean_difference, contrast.p_holm];
-        println!(
-            "{} - {}: {kmh:.2?} km/h, p {p:.3?}",
-            contrast.first, contrast.second
-        );
+        println!("{} - {}: {kmh:.2?} km/h, p {p:.3?}", contrast.first, contrast.second);
     }
     Ok(())
 }

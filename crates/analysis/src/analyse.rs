@@ -20,9 +20,7 @@ use maveric_measures::objective;
 /// Method section 9.
 pub fn analyse(data: &StudyData, purpose: Purpose) -> Result<Analysis, AnalysisError> {
     if let Some(outcome) = data.design.outcomes().iter().find(|o| unanswered(data, o)) {
-        return Err(AnalysisError::Unanswered {
-            outcome: outcome.id(),
-        });
+        return Err(AnalysisError::Unanswered { outcome: outcome.id() });
     }
     by_factor::check(data)?;
     without_periods(data)?;
@@ -76,11 +74,7 @@ fn names<'a>(people: impl Iterator<Item = &'a ParticipantId>) -> Vec<String> {
 
 /// Refuses a declared test that takes no period, where orders are known.
 fn without_periods(data: &StudyData) -> Result<(), AnalysisError> {
-    let people = data
-        .participants
-        .iter()
-        .filter(|p| !data.order(p).is_empty())
-        .count();
+    let people = data.participants.iter().filter(|p| !data.order(p).is_empty()).count();
     for outcome in data.design.outcomes() {
         let test = match outcome.test {
             Some(DeclaredTest::RmAnova) => "rm-anova",
@@ -88,11 +82,7 @@ fn without_periods(data: &StudyData) -> Result<(), AnalysisError> {
             _ => continue,
         };
         if people > 0 {
-            return Err(AnalysisError::NoPeriod {
-                outcome: outcome.id(),
-                test,
-                people,
-            });
+            return Err(AnalysisError::NoPeriod { outcome: outcome.id(), test, people });
         }
     }
     Ok(())
@@ -199,11 +189,7 @@ fn exclusions(design: &Design, panels: &[Panel], reproduction: &[Reproduction]) 
             ),
         ] {
             if n > 0 {
-                let people = if n == 1 {
-                    "participant"
-                } else {
-                    "participants"
-                };
+                let people = if n == 1 { "participant" } else { "participants" };
                 exclusions.push(Exclusion {
                     who: format!("{n} {people}"),
                     what: format!("accuracy of {title} in {}", row.condition),

@@ -60,9 +60,7 @@ impl OrderBalance {
                 continue;
             }
             people += 1;
-            let numbers = order
-                .iter()
-                .map(|id| ids.iter().position(|known| known == id));
+            let numbers = order.iter().map(|id| ids.iter().position(|known| known == id));
             let numbers: Vec<Option<usize>> = numbers.collect();
             for (place, number) in numbers.iter().enumerate() {
                 let Some(row) = number.and_then(|number| rows.get_mut(number)) else {
@@ -83,11 +81,7 @@ impl OrderBalance {
         };
         let places = even(rows.iter().flat_map(|row| row.places.clone()).collect());
         let others = |(number, row): (usize, &PlacesOf)| -> Vec<usize> {
-            let others = row
-                .after
-                .iter()
-                .enumerate()
-                .filter(|(before, _)| *before != number);
+            let others = row.after.iter().enumerate().filter(|(before, _)| *before != number);
             others.map(|(_, count)| *count).collect()
         };
         let succession = even(rows.iter().enumerate().flat_map(others).collect());
@@ -96,12 +90,7 @@ impl OrderBalance {
             (true, false) => Balance::Places,
             (false, _) => Balance::Neither,
         };
-        (people > 0).then_some(Self {
-            people,
-            unknown,
-            conditions: rows,
-            balance,
-        })
+        (people > 0).then_some(Self { people, unknown, conditions: rows, balance })
     }
 }
 
@@ -135,10 +124,7 @@ mod tests {
 
     #[test]
     fn people_beyond_a_whole_square_are_as_even_as_can_be_and_the_same_order_for_all_is_not() {
-        assert_eq!(
-            balance(Square::Williams, 5).balance,
-            Balance::PlacesAndSuccession
-        );
+        assert_eq!(balance(Square::Williams, 5).balance, Balance::PlacesAndSuccession);
         let design = design();
         let plan = OrderPlan::new(&design, Square::Williams, None).unwrap();
         let order = plan.order(0);

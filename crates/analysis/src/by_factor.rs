@@ -35,10 +35,8 @@ pub(crate) fn by_factor(
     let mut reasons = Vec::new();
     let mut contrasts = Vec::new();
     for declared in design.level_contrasts() {
-        let parts: Vec<(&str, LevelChoice)> = declared
-            .iter()
-            .map(|(name, levels)| (name.as_str(), choice(levels)))
-            .collect();
+        let parts: Vec<(&str, LevelChoice)> =
+            declared.iter().map(|(name, levels)| (name.as_str(), choice(levels))).collect();
         match level_contrast(columns, chosen, &parts) {
             Ok(test) => contrasts.push(FactorContrast {
                 levels: parts.into_iter().map(|(n, c)| (n.to_owned(), c)).collect(),
@@ -92,10 +90,8 @@ fn means(
     let mut means = Vec::new();
     for mask in 1..1_usize << factors.len() {
         let inside = factors.iter().enumerate();
-        let inside: Vec<&TestedFactor> = inside
-            .filter(|(f, _)| mask >> f & 1 == 1)
-            .map(|(_, factor)| factor)
-            .collect();
+        let inside: Vec<&TestedFactor> =
+            inside.filter(|(f, _)| mask >> f & 1 == 1).map(|(_, factor)| factor).collect();
         let names: Vec<&str> = inside.iter().map(|f| f.name.as_str()).collect();
         let effect = names.join(":");
         let Some(cells) = anova.emm.get(&effect) else {
@@ -115,9 +111,7 @@ fn means(
                 mean: mean.mean,
                 interval: mean_of_groups_interval(&scores(&those, columns, &inside, &levels), 0.95)
                     .map(|[_, low, high]| (low, high)),
-                within: whole
-                    .then(|| within(&those, columns, &inside, &levels))
-                    .flatten(),
+                within: whole.then(|| within(&those, columns, &inside, &levels)).flatten(),
                 effect: effect.clone(),
                 levels,
             });
@@ -181,10 +175,7 @@ fn complete<'a>(columns: &DesignColumns<'a>, dropped: &[String]) -> Vec<Complete
             let level = |(name, cells): &(&'a str, &'a [Option<String>])| {
                 Some((*name, cells[rows[0]].as_deref()?))
             };
-            Complete {
-                groups: columns.between.iter().filter_map(level).collect(),
-                rows,
-            }
+            Complete { groups: columns.between.iter().filter_map(level).collect(), rows }
         })
         .collect()
 }
@@ -240,14 +231,10 @@ pub(crate) fn check(data: &StudyData) -> Result<(), AnalysisError> {
     let conditions: Vec<_> = design.condition_ids().collect();
     let within = factors_within(design, &conditions);
     let between = design.factors().iter().map(|f| f.name.as_str());
-    let tested: Vec<&str> = between
-        .chain(within.iter().map(|(n, _)| n.as_str()))
-        .collect();
+    let tested: Vec<&str> = between.chain(within.iter().map(|(n, _)| n.as_str())).collect();
     for declared in design.level_contrasts() {
         if tested.len() < 2 {
-            return Err(AnalysisError::OneFactor {
-                factor: tested.concat(),
-            });
+            return Err(AnalysisError::OneFactor { factor: tested.concat() });
         }
         for (factor, levels) in declared {
             let unknown = |level: &str, known: Vec<String>| AnalysisError::UnknownLevel {
@@ -286,12 +273,8 @@ mod tests {
     };
     use maveric_stats::{DesignColumns, LevelChoice, groups};
 
-    const LEVELS: [(&str, &str); 4] = [
-        ("slow", "town"),
-        ("slow", "land"),
-        ("fast", "town"),
-        ("fast", "land"),
-    ];
+    const LEVELS: [(&str, &str); 4] =
+        [("slow", "town"), ("slow", "land"), ("fast", "town"), ("fast", "land")];
 
     /// Our four conditions as two factors, with these contrasts.
     fn crossed(contrasts: &str) -> String {
@@ -325,10 +308,8 @@ mod tests {
             let square: f64 = scores.iter().map(|s| (s - mean).powi(2)).sum();
             (mean, mean / (square / (n - 1.0) / n).sqrt())
         };
-        for (contrast, weights) in found
-            .contrasts
-            .iter()
-            .zip([[-1.0, 1.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]])
+        for (contrast, weights) in
+            found.contrasts.iter().zip([[-1.0, 1.0, 1.0, -1.0], [0.5, 0.5, -0.5, -0.5]])
         {
             let (mean, t) = by_hand(&score(weights));
             near(Some(contrast.test.estimate), mean);
@@ -343,11 +324,7 @@ mod tests {
         );
         let p = found.contrasts.iter().map(|c| c.test.p.unwrap());
         let least = p.clone().fold(1.0, f64::min);
-        let holm = found
-            .contrasts
-            .iter()
-            .filter_map(|c| c.p_holm)
-            .fold(1.0, f64::min);
+        let holm = found.contrasts.iter().filter_map(|c| c.p_holm).fold(1.0, f64::min);
         near(Some(holm), (2.0 * least).min(1.0));
         let slow = found.means.iter().find(|m| m.levels == ["slow"]).unwrap();
         let scores = score([0.5, 0.5, 0.0, 0.0]);
@@ -355,11 +332,7 @@ mod tests {
         let [_, low, high] = maveric_stats::mean_interval(&scores, 0.95).unwrap();
         near(slow.interval.map(|ends| ends.0), low);
         near(slow.interval.map(|ends| ends.1), high);
-        let cell = found
-            .means
-            .iter()
-            .find(|m| m.levels == ["fast", "land"])
-            .unwrap();
+        let cell = found.means.iter().find(|m| m.levels == ["fast", "land"]).unwrap();
         near(Some(cell.mean), by_hand(&score([0.0, 0.0, 0.0, 1.0])).0);
         assert!(cell.within.is_some() && slow.within.is_none());
         // A rehearsal does without.
@@ -416,11 +389,7 @@ mod tests {
         let text = crossed("{ road = [\"town\", \"land\"] }");
         let at = text.find("[[condition]]\nid = \"across\"").unwrap();
         let end = text.find("[[outcome]]").unwrap();
-        let short = format!(
-            "{}[[factor]]\ncolumn = \"group\"\n{}",
-            &text[..at],
-            &text[end..]
-        );
+        let short = format!("{}[[factor]]\ncolumn = \"group\"\n{}", &text[..at], &text[end..]);
         let refused = refused(&short);
         assert!(
             matches!(&refused, AnalysisError::UntestedFactor { known, .. } if known == &["group", "condition"])

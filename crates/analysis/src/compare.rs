@@ -75,9 +75,7 @@ fn groups(data: &StudyData) -> Vec<(Group, Vec<ParticipantId>)> {
         level: levels.join(", "),
     };
     let groups = by_levels.into_iter();
-    groups
-        .map(|(levels, people)| (group(levels), people))
-        .collect()
+    groups.map(|(levels, people)| (group(levels), people)).collect()
 }
 
 fn panel(
@@ -130,11 +128,7 @@ impl<'a> Plan<'a> {
         let period = Period::for_outcome(data, asked, (&conditions, people), group.is_some());
         let placed = |p: &ParticipantId| conditions.iter().all(|c| data.period(p, *c).is_some());
         let unplaced = |p: &&ParticipantId| period == Period::Taken && !placed(p);
-        let without_order = people
-            .iter()
-            .filter(unplaced)
-            .map(ToString::to_string)
-            .collect();
+        let without_order = people.iter().filter(unplaced).map(ToString::to_string).collect();
         let lacked = |p: &ParticipantId| {
             let column = lacked_column(data, p, group.is_some())?;
             Some((p.to_string(), column.to_owned()))
@@ -175,14 +169,7 @@ impl<'a> Plan<'a> {
             contrasts: Vec::new(),
             by_factor: None,
         };
-        Self {
-            data,
-            asked,
-            people,
-            pairs,
-            period,
-            panel,
-        }
+        Self { data, asked, people, pairs, period, panel }
     }
 
     /// The people with a value in every condition, and their values; the others are named in the panel.
@@ -221,11 +208,7 @@ impl<'a> Plan<'a> {
         let compared = by_design(&tested)?;
         let panel = &mut self.panel;
         match compared {
-            Ok(Compared {
-                comparison,
-                by_factor,
-                carry_over,
-            }) => {
+            Ok(Compared { comparison, by_factor, carry_over }) => {
                 panel.reasons = comparison.reasons().to_vec();
                 panel.carry_over = carry_over;
                 let of_test = match &comparison {
@@ -333,16 +316,9 @@ fn cut_drives(data: &StudyData, asked: &Asked, people: &[ParticipantId]) -> Opti
     let grows = asked.column().and_then(objective::find)?.grows;
     let ids = data.design.condition_ids();
     let ids: Vec<ConditionId> = ids.chain(data.design.baseline_id()).collect();
-    let cut_count = |p: &ParticipantId| {
-        ids.iter()
-            .filter(|c| data.counted_s(p, **c).is_some())
-            .count()
-    };
-    let cut: Vec<usize> = people
-        .iter()
-        .map(cut_count)
-        .filter(|drives| *drives > 0)
-        .collect();
+    let cut_count =
+        |p: &ParticipantId| ids.iter().filter(|c| data.counted_s(p, **c).is_some()).count();
+    let cut: Vec<usize> = people.iter().map(cut_count).filter(|drives| *drives > 0).collect();
     (grows && !cut.is_empty()).then(|| {
         format!(
             "people whose drives differ in length ({}): their values are those of the part of each drive ({} in all) that is as long as the \

@@ -132,9 +132,8 @@ impl<'a> Rows<'a> {
             let score: ScoreName = key.parse().ok()?;
             let is_rated = data.rated_names().contains(&score);
             let (scale, subscale) = data.subscale(&score).filter(|_| is_rated)?;
-            let mut along = expected
-                .clone()
-                .filter_map(|(side, expected)| Some(side * *expected.get(key)?));
+            let mut along =
+                expected.clone().filter_map(|(side, expected)| Some(side * *expected.get(key)?));
             let first = along.next()?;
             Some(Comparing {
                 same: subscale.same?,
@@ -154,11 +153,8 @@ impl<'a> Rows<'a> {
         if data.participants.iter().all(|p| own_score(p).is_none()) {
             return None;
         }
-        let comparing = if data.rated_names().contains(style) {
-            None
-        } else {
-            Some(self.comparing()?)
-        };
+        let comparing =
+            if data.rated_names().contains(style) { None } else { Some(self.comparing()?) };
         let range = data.style_range();
         let (score, near) = match &comparing {
             None => (style, near),
@@ -274,10 +270,7 @@ impl<'a> Rows<'a> {
         let period = [("period", Predictor::Factor(&self.periods))];
         let with_period = self.data.has_orders().then(|| fit(&period));
         let separable = |fitted: &Result<_, StatsError>| {
-            !matches!(
-                fitted,
-                Err(StatsError::Collinear { .. } | StatsError::OneLevel { .. })
-            )
+            !matches!(fitted, Err(StatsError::Collinear { .. } | StatsError::OneLevel { .. }))
         };
         let with_period = with_period.filter(separable);
         let period = with_period.is_some();
@@ -306,9 +299,7 @@ impl<'a> Rows<'a> {
         let ends = self.data.style_range();
         let nearest = |own: f64| {
             let apart = |sds: &i8| (style_at(*sds) - own).abs();
-            drawn_sds
-                .into_iter()
-                .min_by(|a, b| apart(a).total_cmp(&apart(b)))
+            drawn_sds.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))
         };
         let curve = |sds: i8| {
             let is_theirs = |row: &usize| distances.own[*row].and_then(nearest) == Some(sds);

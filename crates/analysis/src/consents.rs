@@ -111,10 +111,7 @@ mod tests {
     }
 
     fn refused(text: &str, people: usize) -> NotAgreed {
-        NotAgreed {
-            text_sha256: text.to_owned(),
-            people,
-        }
+        NotAgreed { text_sha256: text.to_owned(), people }
     }
 
     #[test]
@@ -168,9 +165,8 @@ mod tests {
         );
         assert!(versions(&[], &[]).is_empty());
         // Where it was given away without times, nobody knows the days.
-        let without: Vec<_> = (1..=FEWEST_AGREED)
-            .map(|i| row(&format!("P{i}"), "aa", None, Some(false)))
-            .collect();
+        let without: Vec<_> =
+            (1..=FEWEST_AGREED).map(|i| row(&format!("P{i}"), "aa", None, Some(false))).collect();
         let without = versions(&without, &[]);
         assert_eq!(without, [version("aa", None, [5, 0], Some(0))]);
     }

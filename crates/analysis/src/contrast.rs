@@ -96,19 +96,12 @@ impl ModelPairs<'_> {
         raw: Option<f64>,
         expected: Option<Sign>,
     ) -> Contrast {
-        let name = |id| {
-            self.names
-                .iter()
-                .find(|(c, _)| *c == id)
-                .map_or("", |(_, n)| n)
-        };
+        let name = |id| self.names.iter().find(|(c, _)| *c == id).map_or("", |(_, n)| n);
         let pair = |a, b| self.pairs.get(&format!("{}|{}", name(a), name(b)));
         let known = pair(first, second).map(|pair| (pair, 1.0));
         let known = known.or_else(|| Some((pair(second, first)?, -1.0)));
-        let untested = Contrast {
-            mean_difference: raw,
-            ..Contrast::untested([first, second], expected)
-        };
+        let untested =
+            Contrast { mean_difference: raw, ..Contrast::untested([first, second], expected) };
         let Some((pair, sign)) = known else {
             let ratio = |a, b| self.ratios?.get(&format!("{}|{}", name(a), name(b)));
             return match ratio(first, second).or_else(|| ratio(second, first)) {
@@ -182,11 +175,7 @@ mod tests {
             assert_eq!((one.expected, other.expected), (None, Some(Sign::Minus)));
             let sum = one.statistic.unwrap() + other.statistic.unwrap();
             // The sums of positive and of negative ranks are 1 + 2 + … + 6; two values of t add up to nothing.
-            let expected = if test == PosthocTest::Wilcoxon {
-                21.0
-            } else {
-                0.0
-            };
+            let expected = if test == PosthocTest::Wilcoxon { 21.0 } else { 0.0 };
             assert!((sum - expected).abs() < 1e-12, "{sum}");
             let (one, other) = (one.effect.unwrap(), other.effect.unwrap());
             let negated = |v: Option<f64>| v.map(|v| -v);

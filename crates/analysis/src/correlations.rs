@@ -15,10 +15,7 @@ fn none(method: &str, n: usize) -> Correlation {
 }
 
 fn complete(x: &[Option<f64>], y: &[Option<f64>]) -> usize {
-    x.iter()
-        .zip(y)
-        .filter(|(x, y)| x.is_some() && y.is_some())
-        .count()
+    x.iter().zip(y).filter(|(x, y)| x.is_some() && y.is_some()).count()
 }
 
 /// Pearson's or Spearman's correlation of two columns, pairs with a missing member left out.
@@ -34,9 +31,7 @@ pub(crate) fn correlate(
     };
     let spearman = correlation
         .chosen
-        .map_or(method == CorrelationMethod::Spearman, |c| {
-            c == CorrelationMethod::Spearman
-        });
+        .map_or(method == CorrelationMethod::Spearman, |c| c == CorrelationMethod::Spearman);
     let name = if spearman { "spearman" } else { "pearson" };
     let mut result = none(name, correlation.n);
     if spearman {
@@ -95,17 +90,9 @@ mod tests {
         assert_eq!((found.n, found.df, found.r), (1, 0, None));
         let people = ["a", "a", "b", "b"].map(str::to_owned);
         let within = correlate_within(&people, &x, &y).unwrap();
-        assert_eq!(
-            (within.method.as_str(), within.n, within.r),
-            ("rm_corr", 1, None)
-        );
+        assert_eq!((within.method.as_str(), within.n, within.r), ("rm_corr", 1, None));
         assert_eq!(circular(&x, &y).unwrap(), (None, None));
-        assert_eq!(
-            correlate(&[None], &[None], CorrelationMethod::Pearson)
-                .unwrap()
-                .n,
-            0
-        );
+        assert_eq!(correlate(&[None], &[None], CorrelationMethod::Pearson).unwrap().n, 0);
     }
 
     #[test]
@@ -115,10 +102,7 @@ mod tests {
         let y: Vec<Option<f64>> = (1..=8).map(|i| Some(f64::from(i * i * i))).collect();
         let ranks = correlate(&x, &y, CorrelationMethod::Spearman).unwrap();
         let line = correlate(&x, &y, CorrelationMethod::Pearson).unwrap();
-        assert_eq!(
-            (ranks.method.as_str(), line.method.as_str()),
-            ("spearman", "pearson")
-        );
+        assert_eq!((ranks.method.as_str(), line.method.as_str()), ("spearman", "pearson"));
         assert!((ranks.r.unwrap() - 1.0).abs() < 1e-12);
         assert!(line.r.unwrap() < 0.95 && line.df == 6);
         assert!(line.ci.low.unwrap() < line.r.unwrap() && line.r.unwrap() < line.ci.high.unwrap());

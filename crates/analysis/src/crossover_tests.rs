@@ -75,22 +75,11 @@ fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
     let measured = text(&format!("[[outcome]]\nmeasure = \"{SPEED}\"\n"));
     let with = analysed_by(&measured, ridden(12, 0.5, 0.3));
     let speed_panel = panel(&with, SPEED);
-    let terms: Vec<&str> = speed_panel
-        .comparison
-        .as_ref()
-        .unwrap()
-        .effects()
-        .into_iter()
-        .map(|(n, _)| n)
-        .collect();
+    let terms: Vec<&str> =
+        speed_panel.comparison.as_ref().unwrap().effects().into_iter().map(|(n, _)| n).collect();
     assert_eq!(terms, ["condition", PERIOD]);
     assert_eq!(speed_panel.test, Some(ContrastTest::Mixed));
-    assert!(
-        speed_panel
-            .contrasts
-            .iter()
-            .all(|c| c.se.is_some() && c.interval.is_some())
-    );
+    assert!(speed_panel.contrasts.iter().all(|c| c.se.is_some() && c.interval.is_some()));
     let mut unknown = ridden(12, 0.5, 0.3);
     for p in &mut unknown.people {
         p.order.clear();
@@ -101,11 +90,7 @@ fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
     assert!(plain.carry_over.is_none() && plain.balance.is_none());
     // A trend over the rides costs the test without the period, and not the one with it.
     let steep = analysed_by(&measured, ridden(12, 0.5, 3.0));
-    for (a, b) in panel(&steep, SPEED)
-        .contrasts
-        .iter()
-        .zip(&speed_panel.contrasts)
-    {
+    for (a, b) in panel(&steep, SPEED).contrasts.iter().zip(&speed_panel.contrasts) {
         assert!((a.mean_difference.unwrap() - b.mean_difference.unwrap()).abs() < 1e-9);
         assert!((a.p.unwrap() - b.p.unwrap()).abs() < 1e-9);
     }
@@ -113,21 +98,11 @@ fn a_study_with_orders_has_the_period_in_every_test_and_one_without_has_none() {
 
 #[test]
 fn the_choice_by_what_the_data_look_like_is_declared_by_name_and_says_so() {
-    let auto = text(&format!(
-        "[[outcome]]\nmeasure = \"{SPEED}\"\ntest = \"auto\"\n"
-    ));
+    let auto = text(&format!("[[outcome]]\nmeasure = \"{SPEED}\"\ntest = \"auto\"\n"));
     let a = analysed_by(&auto, ridden(12, 0.5, 0.3));
     let speed_panel = panel(&a, SPEED);
-    assert!(matches!(
-        speed_panel.comparison,
-        Some(ByDesign::OneFactor(_))
-    ));
-    assert!(
-        speed_panel
-            .reasons
-            .iter()
-            .any(|r| r.contains("`test = \"auto\"`"))
-    );
+    assert!(matches!(speed_panel.comparison, Some(ByDesign::OneFactor(_))));
+    assert!(speed_panel.reasons.iter().any(|r| r.contains("`test = \"auto\"`")));
 }
 
 #[test]
@@ -140,20 +115,13 @@ fn primary_outcomes_are_tested_in_the_order_written_until_the_first_that_is_not_
     let second = &closed.primary[1];
     assert_eq!((second.closed_by.as_deref(), second.p), (Some(GAP), None));
     assert_eq!(
-        finding::by_question(&closed.findings, Question::Primary(2))
-            .unwrap()
-            .verdict,
+        finding::by_question(&closed.findings, Question::Primary(2)).unwrap().verdict,
         NotTested
     );
     // The same numbers, tested: the gate alone keeps them back.
     let first = &a.primary[0];
     assert!(first.p.unwrap() < 0.05 && first.interval.unwrap().0 > 0.0);
-    assert_eq!(
-        finding::by_question(&a.findings, Question::Primary(1))
-            .unwrap()
-            .verdict,
-        Shown
-    );
+    assert_eq!(finding::by_question(&a.findings, Question::Primary(1)).unwrap().verdict, Shown);
     // Of too few people nothing is said, and the gate closes.
     let few = analysed_by(&both(), ridden(5, 0.5, 0.3));
     assert_eq!(verdicts(&few), [TooFew, NotTested]);
@@ -177,10 +145,7 @@ fn a_hypothesis_about_a_primary_contrast_has_its_unadjusted_p_and_none_behind_a_
     assert!(low < high && high < 0.0);
     let turned = text(&(primary(GAP, "mixed") + &primary(SPEED, "mixed"))) + &says(SPEED);
     let closed = analysed_by(&turned, ridden(16, 0.5, 0.3));
-    assert_eq!(
-        (closed.hypotheses[0].verdict, closed.hypotheses[0].p),
-        (NotTested, None)
-    );
+    assert_eq!((closed.hypotheses[0].verdict, closed.hypotheses[0].p), (NotTested, None));
 }
 
 #[test]
@@ -231,24 +196,14 @@ fn carry_over_stands_beside_and_changes_no_verdict() {
     // What was planted for the ride after the sporty car is found, and the primary p is the model's without it.
     let mut left = ridden(16, 0.5, 0.3);
     for ride in &mut left.measurements {
-        let order = &left
-            .people
-            .iter()
-            .find(|p| p.id == ride.meta.participant)
-            .unwrap()
-            .order;
-        let place = order
-            .iter()
-            .position(|c| *c == ride.meta.condition)
-            .unwrap();
+        let order = &left.people.iter().find(|p| p.id == ride.meta.participant).unwrap().order;
+        let place = order.iter().position(|c| *c == ride.meta.condition).unwrap();
         if place > 0 && order[place - 1] == id("sporty") {
             *ride.values.get_mut(SPEED).unwrap() = ride.values[SPEED].map(|v| v + 4.0);
         }
     }
     let b = analysed_by(&both(), left);
-    let Some(CarryOver::Fitted(carried)) = &panel(&b, SPEED).carry_over else {
-        panic!("fitted")
-    };
+    let Some(CarryOver::Fitted(carried)) = &panel(&b, SPEED).carry_over else { panic!("fitted") };
     assert!(
         carried.test.p.unwrap() < 0.001 && carried.effects.get("sporty").unwrap().estimate > 2.0
     );
@@ -278,43 +233,25 @@ fn people_whose_order_is_not_known_are_left_out_and_named_and_uneven_orders_are_
     assert_eq!(speed_panel.dropped, speed_panel.without_order);
     assert_eq!(speed_panel.lacking(), 0);
     let why = a.exclusions.iter().find(|e| e.who == "P4").unwrap();
-    assert!(
-        why.why.contains("order in which the conditions were met"),
-        "{}",
-        why.why
-    );
+    assert!(why.why.contains("order in which the conditions were met"), "{}", why.why);
     assert_eq!(speed_panel.balance, Some(Balance::Neither));
-    assert!(
-        speed_panel
-            .contrasts
-            .iter()
-            .all(|c| c.people.iter().sum::<usize>() == 14)
-    );
+    assert!(speed_panel.contrasts.iter().all(|c| c.people.iter().sum::<usize>() == 14));
 }
 
 #[test]
 fn tests_without_a_period_are_refused_where_orders_are_known_and_run_where_none_is() {
-    for (test, kind) in [
-        ("rm-anova", ContrastTest::T),
-        ("friedman", ContrastTest::Wilcoxon),
-    ] {
+    for (test, kind) in [("rm-anova", ContrastTest::T), ("friedman", ContrastTest::Wilcoxon)] {
         let declared = text(&primary(SPEED, test));
         let data = StudyData::new(&design(&declared), ridden(12, 0.5, 0.3)).unwrap();
         let refused = analyse(&data, Purpose::Report).unwrap_err();
-        assert!(matches!(
-            refused,
-            AnalysisError::NoPeriod { people: 12, .. }
-        ));
+        assert!(matches!(refused, AnalysisError::NoPeriod { people: 12, .. }));
         assert!(refused.to_string().contains(test) && refused.suggestion().is_some());
         let mut unknown = ridden(12, 0.5, 0.0);
         for p in &mut unknown.people {
             p.order.clear();
         }
         let a = analysed_by(&declared, unknown);
-        assert_eq!(
-            (panel(&a, SPEED).test, a.primary[0].verdict),
-            (Some(kind), Shown)
-        );
+        assert_eq!((panel(&a, SPEED).test, a.primary[0].verdict), (Some(kind), Shown));
     }
 }
 
@@ -324,36 +261,23 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
     let mut tables = ridden(16, 0.0, 0.0);
     for i in 0..16 {
         for (k, condition) in CONDITIONS.into_iter().enumerate() {
-            let answer = (2.0 + k as f64 + 1.4 * noise(i, 60 + k))
-                .round()
-                .clamp(1.0, 7.0);
+            let answer = (2.0 + k as f64 + 1.4 * noise(i, 60 + k)).round().clamp(1.0, 7.0);
             let after = Moment::after(id(condition));
-            tables
-                .post
-                .push(score(i, after, "comfort", "total", answer));
+            tables.post.push(score(i, after, "comfort", "total", answer));
         }
     }
     let says = "[[hypothesis]]\nsays = \"h\"\noutcome = \"comfort.total\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"-\"\n";
     let a = analysed_by(&(text(rated) + says), tables);
     let comfort_panel = panel(&a, "comfort.total");
-    assert!(matches!(
-        comfort_panel.comparison,
-        Some(ByDesign::Ordinal(_))
-    ));
-    assert_eq!(
-        (comfort_panel.test, a.primary[0].verdict),
-        (Some(ContrastTest::Ordinal), Shown)
-    );
+    assert!(matches!(comfort_panel.comparison, Some(ByDesign::Ordinal(_))));
+    assert_eq!((comfort_panel.test, a.primary[0].verdict), (Some(ContrastTest::Ordinal), Shown));
     // The difference is that of the answers, not of logits.
     let difference = a.primary[0].mean_difference.unwrap();
     assert!((2.0..4.0).contains(&difference) && a.primary[0].interval.is_none());
     let odds = a.primary[0].odds.unwrap();
     let (low, high) = odds.interval.unwrap();
     // The whole interval above 1, as p is below .05.
-    assert!(
-        1.0 < low && low < odds.ratio && odds.ratio < high,
-        "{odds:?}"
-    );
+    assert!(1.0 < low && low < odds.ratio && odds.ratio < high, "{odds:?}");
     let pair = ["calm", "sporty"].map(id);
     let turned = crate::pairs::contrast(comfort_panel, pair).unwrap().odds;
     let turned = turned.unwrap();
@@ -365,9 +289,7 @@ fn an_item_is_tested_by_its_order_with_the_period_and_has_no_carry_over() {
     assert!(a.primary[0].p.unwrap() < 0.05);
     assert_eq!(
         comfort_panel.carry_over,
-        Some(CarryOver::NotFitted {
-            why_not: NoCarryOver::OrderedAnswers
-        })
+        Some(CarryOver::NotFitted { why_not: NoCarryOver::OrderedAnswers })
     );
 }
 
@@ -420,11 +342,7 @@ fn an_item_at_its_floor_after_one_condition_is_tested_by_its_likelihood_ratio_an
     }
     // Two conditions at the floor do not differ, and what can be estimated is.
     let two = |i: usize, k: usize| {
-        if k.is_multiple_of(3) {
-            1.0
-        } else {
-            scattered(i, k)
-        }
+        if k.is_multiple_of(3) { 1.0 } else { scattered(i, k) }
     };
     let a = analysed_by(&comfort_first("+"), answered(two));
     assert_eq!(verdicts(&a), [NotShown, NotTested]);
@@ -460,11 +378,7 @@ fn where_the_declared_test_has_no_result_no_other_steps_in() {
     assert!(
         speed_panel.contrasts.len() == 6 && speed_panel.contrasts.iter().all(|c| c.p.is_none())
     );
-    assert!(
-        speed_panel.reasons[0].contains("whole number"),
-        "{:?}",
-        speed_panel.reasons
-    );
+    assert!(speed_panel.reasons[0].contains("whole number"), "{:?}", speed_panel.reasons);
     assert_eq!((a.primary[0].p, a.primary[0].verdict), (None, NotTestable));
     let why = a.primary[0].why_not.as_ref().unwrap();
     assert!(why.contains("whole number"), "{why}");
@@ -493,10 +407,7 @@ fn with_one_order_for_all_an_outcome_without_a_declared_test_is_tested_without_t
         speed_panel.contrasts.iter().all(|c| c.p.is_some()) && speed_panel.without_order.is_empty()
     );
     assert!(
-        speed_panel
-            .reasons
-            .iter()
-            .any(|r| r.contains("do not tell the period")),
+        speed_panel.reasons.iter().any(|r| r.contains("do not tell the period")),
         "{:?}",
         speed_panel.reasons
     );

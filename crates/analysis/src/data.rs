@@ -73,11 +73,7 @@ impl StudyData {
     /// [`AnalysisError::TooFewPeople`] for fewer than three who drove or rated a condition, or were measured in it;
     /// [`AnalysisError::NobodyThere`] for a condition in which nobody is there so.
     pub fn new(design: &Design, tables: Tables) -> Result<Self, AnalysisError> {
-        let Who {
-            there,
-            left_out,
-            flow,
-        } = Who::new(design, &tables);
+        let Who { there, left_out, flow } = Who::new(design, &tables);
         let mut measurements = tables.measurements;
         measurements.retain(|d| left_out.keeps(&d.meta.participant, d.meta.ride()));
         let (mut pre, mut post) = (tables.pre, tables.post);
@@ -101,14 +97,10 @@ impl StudyData {
         }
         let cells = cells::cells(&measurements, &there);
         let own_measures = cells::own_measures(design, tables.own, (&there, &left_out));
-        let participants: Vec<ParticipantId> = there
-            .into_iter()
-            .filter(|p| left_out.keeps_person(p))
-            .collect();
+        let participants: Vec<ParticipantId> =
+            there.into_iter().filter(|p| left_out.keeps_person(p)).collect();
         if participants.len() < 3 {
-            return Err(AnalysisError::TooFewPeople {
-                found: participants.len(),
-            });
+            return Err(AnalysisError::TooFewPeople { found: participants.len() });
         }
         let data = Self {
             design: design.clone(),
@@ -127,11 +119,7 @@ impl StudyData {
             measurements,
             embeddings: tables.embeddings,
             conditions: tables.conditions,
-            people: tables
-                .people
-                .into_iter()
-                .map(|p| (p.id.clone(), p))
-                .collect(),
+            people: tables.people.into_iter().map(|p| (p.id.clone(), p)).collect(),
             scales: design.with_dropped_items(tables.scales),
         };
         data.somebody_in_each()?;
@@ -172,11 +160,7 @@ impl StudyData {
     /// The same, with what was said of rides that people stopped.
     pub(crate) fn with_stopped(&self) -> Self {
         let post = self.post.clone().and(&self.of_stopped);
-        Self {
-            post,
-            of_stopped: Vec::new(),
-            ..self.clone()
-        }
+        Self { post, of_stopped: Vec::new(), ..self.clone() }
     }
 
     /// Rides that somebody rated by this score and that are left out, since they stopped them.
@@ -241,28 +225,18 @@ impl StudyData {
     /// Whether the people are made up: the design says so, or a drive was a driver model's.
     pub fn is_synthetic(&self) -> bool {
         self.design.synthetic()
-            || self
-                .measurements
-                .iter()
-                .any(|d| d.meta.driven_by == DrivenBy::Synthetic)
+            || self.measurements.iter().any(|d| d.meta.driven_by == DrivenBy::Synthetic)
     }
 
     /// Whether a script drove in place of a person.
     pub fn is_scripted(&self) -> bool {
-        self.measurements
-            .iter()
-            .any(|d| d.meta.driven_by == DrivenBy::Scripted)
+        self.measurements.iter().any(|d| d.meta.driven_by == DrivenBy::Scripted)
     }
 
     /// The conditions elsewhere on the dial, in the order of the design.
     pub fn shifted(&self) -> Vec<ConditionId> {
         let away = |c: &&Condition| c.side().is_some();
-        self.design
-            .conditions()
-            .iter()
-            .filter(away)
-            .map(|c| c.id)
-            .collect()
+        self.design.conditions().iter().filter(away).map(|c| c.id).collect()
     }
 
     /// The embedding of a participant's baseline drive in a session, fitted with or without the score.

@@ -142,18 +142,13 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
     }
     let one_condition = panel.conditions.len() < 2;
     if one_condition && between.is_empty() {
-        return Ok(Err(
-            "one condition and no baseline: nothing to compare it with".to_owned(),
-        ));
+        return Ok(Err("one condition and no baseline: nothing to compare it with".to_owned()));
     }
     if panel.n < 2 {
         return Ok(Err(format!("{} with a value in every condition", panel.n)));
     }
-    let within = if one_condition {
-        Vec::new()
-    } else {
-        factors_within(&data.design, &panel.conditions)
-    };
+    let within =
+        if one_condition { Vec::new() } else { factors_within(&data.design, &panel.conditions) };
     let table = table(tested, within, between)?;
     let columns = table.columns();
     let choice = DesignChoice {
@@ -196,18 +191,14 @@ pub(crate) fn by_design(tested: &Tested) -> Result<Result<Compared, String>, Ana
             _ => None,
         };
         carried = match (tested.period, &comparison) {
-            (Period::Taken, ByDesign::Ordinal(_)) => Some(CarryOver::NotFitted {
-                why_not: NoCarryOver::OrderedAnswers,
-            }),
+            (Period::Taken, ByDesign::Ordinal(_)) => {
+                Some(CarryOver::NotFitted { why_not: NoCarryOver::OrderedAnswers })
+            }
             (Period::Taken, _) => Some(carry_over(&columns)?),
             _ => None,
         };
     }
-    Ok(Ok(Compared {
-        comparison,
-        by_factor: factors,
-        carry_over: carried,
-    }))
+    Ok(Ok(Compared { comparison, by_factor: factors, carry_over: carried }))
 }
 
 /// The rows of a test: one of each person in each condition.
@@ -231,14 +222,7 @@ fn table(
     };
     let within: Vec<Within> = within
         .into_iter()
-        .map(|(name, levels)| {
-            (
-                name,
-                rows()
-                    .map(|(_, column, _)| levels[column].clone())
-                    .collect(),
-            )
-        })
+        .map(|(name, levels)| (name, rows().map(|(_, column, _)| levels[column].clone()).collect()))
         .collect();
     let level = |p, f: &Factor| data.column(p, &f.name).map(str::to_owned);
     let between: Vec<(String, Vec<Option<String>>)> = between

@@ -57,10 +57,7 @@ impl Stopped {
     pub fn ride(&self) -> Ride {
         Ride {
             condition: self.condition,
-            occasion: Occasion {
-                session: self.session,
-                trial: self.trial,
-            },
+            occasion: Occasion { session: self.session, trial: self.trial },
         }
     }
 
@@ -74,9 +71,7 @@ impl Stopped {
     fn by_the_experimenter(&self) -> Option<(&str, &str)> {
         let act = self.reason.split(": ").next()?;
         let why = self.reason.strip_prefix(act)?;
-        [SKIPPED, ABORTED, EXCLUDED]
-            .contains(&act)
-            .then_some((act, why))
+        [SKIPPED, ABORTED, EXCLUDED].contains(&act).then_some((act, why))
     }
 
     /// Why it is left out.
@@ -85,10 +80,7 @@ impl Stopped {
         match self.by_the_experimenter() {
             Some((EXCLUDED, why)) => Why::by(Rule::Excluded, format!("by the experimenter{why}")),
             Some((act, why)) => Why::by(Rule::Stopped, format!("`{condition}` was {act}{why}")),
-            None => Why::by(
-                Rule::Stopped,
-                format!("`{condition}` was stopped: {reason}"),
-            ),
+            None => Why::by(Rule::Stopped, format!("`{condition}` was stopped: {reason}")),
         }
     }
 }
@@ -194,20 +186,14 @@ pub fn too_short(design: &Design, duration_s: f64) -> Option<Why> {
 
 /// Why what is about a condition, a session or a trial that the design does not have is left out; none where it has it.
 pub fn unknown_ride(design: &Design, ride: Ride) -> Option<Why> {
-    let Ride {
-        condition,
-        occasion,
-    } = ride;
+    let Ride { condition, occasion } = ride;
     if !design.knows(condition) {
         let labels = ConditionId::listed(&design.labels());
         let reason = format!("`{condition}` is none of the design's: {labels}");
         return Some(Why::by(Rule::UnknownCondition, reason));
     }
     let occasions = design.occasions(condition);
-    let last = occasions
-        .iter()
-        .max()
-        .filter(|_| !occasions.contains(&occasion))?;
+    let last = occasions.iter().max().filter(|_| !occasions.contains(&occasion))?;
     let reason = format!(
         "{occasion} of `{condition}`, expected sessions up to {} and trials up to {} by `protocol.sessions` and `protocol.rides_per_condition`",
         last.session, last.trial
@@ -295,16 +281,10 @@ impl LeftOut {
                 self.and_person(who, Why::by(Rule::Attention, reason));
             }
         }
-        let sheets = if rules.straight_lined {
-            response_styles(scales, answers)
-        } else {
-            Vec::new()
-        };
+        let sheets =
+            if rules.straight_lined { response_styles(scales, answers) } else { Vec::new() };
         for warning in sheets {
-            if let ScoreWarning::OneAnswer {
-                participant, scale, ..
-            } = warning
-            {
+            if let ScoreWarning::OneAnswer { participant, scale, .. } = warning {
                 let reason = format!("one answer to every item of `{scale}`, reversed ones too");
                 self.and_person(participant, Why::by(Rule::StraightLined, reason));
             }

@@ -248,10 +248,7 @@ impl Part {
             estimate,
             interval,
             p: None,
-            rule: Rule::Within {
-                low: finite(low),
-                high: finite(high),
-            },
+            rule: Rule::Within { low: finite(low), high: finite(high) },
             verdict: within(n, interval, (low, high)),
         }
     }
@@ -274,11 +271,7 @@ impl Part {
         let part = Self::share(of, n, share.as_ref(), (0.0, 1.0));
         Self {
             rule: Rule::Never,
-            verdict: if hits > 0 {
-                Verdict::Fails
-            } else {
-                part.verdict
-            },
+            verdict: if hits > 0 { Verdict::Fails } else { part.verdict },
             ..part
         }
     }
@@ -337,13 +330,12 @@ impl Finding {
         let value_of = |part: &Part| number(part).unwrap_or(f64::INFINITY);
         let mut parts = self.parts.iter();
         let first = parts.next()?;
-        Some(parts.fold(first, |least, part| {
-            if value_of(part) < value_of(least) {
-                part
-            } else {
-                least
-            }
-        }))
+        Some(parts.fold(
+            first,
+            |least, part| {
+                if value_of(part) < value_of(least) { part } else { least }
+            },
+        ))
     }
 }
 
@@ -367,19 +359,11 @@ mod tests {
         }
         let ids: std::collections::BTreeSet<&str> = IDS.iter().map(|(_, id)| *id).collect();
         assert_eq!(ids.len(), IDS.len());
-        assert!(
-            Question::try_from("primary-x".to_owned())
-                .unwrap_err()
-                .contains("`primary-x`")
-        );
+        assert!(Question::try_from("primary-x".to_owned()).unwrap_err().contains("`primary-x`"));
         for numbered in [Question::Primary(2), Question::Hypothesis(2)] {
             assert_eq!(Question::try_from(numbered.to_string()), Ok(numbered));
         }
-        assert!(
-            Question::try_from("own".to_owned())
-                .unwrap_err()
-                .contains("`own`")
-        );
+        assert!(Question::try_from("own".to_owned()).unwrap_err().contains("`own`"));
     }
 
     #[test]
@@ -410,24 +394,12 @@ mod tests {
             Part::share("x", n, share.as_ref(), (0.5, f64::INFINITY)).verdict
         };
         assert_eq!(
-            [
-                share(20, 24),
-                share(12, 24),
-                share(3, 24),
-                share(5, 5),
-                share(0, 0)
-            ],
+            [share(20, 24), share(12, 24), share(3, 24), share(5, 5), share(0, 0)],
             [Shown, NotShown, Fails, TooFew, NotAsked]
         );
         let never = |hits, n| Part::never("x", hits, n).verdict;
         assert_eq!(
-            [
-                never(0, 24),
-                never(1, 24),
-                never(0, 4),
-                never(1, 4),
-                never(0, 0)
-            ],
+            [never(0, 24), never(1, 24), never(0, 4), never(1, 4), never(0, 0)],
             [Shown, Fails, TooFew, Fails, NotAsked]
         );
     }
@@ -458,10 +430,7 @@ mod tests {
             ],
         );
         let json = serde_json::to_value(&found).unwrap();
-        assert_eq!(
-            (&json["id"], &json["verdict"]),
-            (&"hypothesis-2".into(), &"shown".into())
-        );
+        assert_eq!((&json["id"], &json["verdict"]), (&"hypothesis-2".into(), &"shown".into()));
         assert_eq!(
             (&json["parts"][1]["rule"], &json["parts"][1]["high"]),
             (&"within".into(), &serde_json::Value::Null)

@@ -130,12 +130,8 @@ mod tests {
             order: Vec::new(),
             columns: BTreeMap::new(),
         };
-        let people = [
-            person("L1", true),
-            person("L2", true),
-            person("T1", false),
-            person("T2", false),
-        ];
+        let people =
+            [person("L1", true), person("L2", true), person("T1", false), person("T2", false)];
         let there = people.iter().map(|p| p.id.clone()).collect();
         let left_out = LeftOut::named(&design);
         let flow = flow(&design, &people, &there, &left_out, (&[], Vec::new()));

@@ -28,16 +28,13 @@ fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, Analy
         let (scale, factor) = scale_and_factor(word);
         let known = data.pre_subscales(scale);
         if known.is_empty() {
-            return Err(AnalysisError::UnansweredScale {
-                scale: scale.to_owned(),
-            });
+            return Err(AnalysisError::UnansweredScale { scale: scale.to_owned() });
         }
         let wanted: Vec<ScoreName> = match factor {
             None => known,
-            Some(factor) if known.iter().any(|k| k.subscale == factor) => vec![ScoreName {
-                scale: scale.to_owned(),
-                subscale: factor.to_owned(),
-            }],
+            Some(factor) if known.iter().any(|k| k.subscale == factor) => {
+                vec![ScoreName { scale: scale.to_owned(), subscale: factor.to_owned() }]
+            }
             Some(factor) => {
                 return Err(AnalysisError::UnknownFactor {
                     scale: scale.to_owned(),
@@ -57,9 +54,7 @@ fn factors(data: &StudyData, family: &Homophily) -> Result<Vec<ScoreName>, Analy
 
 /// The declared ratings that somebody gave.
 pub(crate) fn ratings(data: &StudyData) -> &[ScoreName] {
-    data.design
-        .homophily()
-        .map_or(&[], |family| &family.ratings)
+    data.design.homophily().map_or(&[], |family| &family.ratings)
 }
 
 /// Every factor of the family against every rating difference, own style minus the other: one family of tests.
@@ -78,11 +73,7 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
     }
     let mut rows = Vec::new();
     for factor in factors(data, family)? {
-        let x: Vec<Option<f64>> = data
-            .participants
-            .iter()
-            .map(|p| data.pre(p, &factor))
-            .collect();
+        let x: Vec<Option<f64>> = data.participants.iter().map(|p| data.pre(p, &factor)).collect();
         for (versus, name, y) in &differences {
             rows.push(HomophilyRow {
                 title: data.score_title(&factor),
@@ -106,8 +97,7 @@ pub(crate) fn homophily(data: &StudyData) -> Result<Vec<HomophilyRow>, AnalysisE
             (row.p_holm, row.p_bh) = (Some(holm), Some(bh));
             let c = &row.correlation;
             let ranks = c.method == "spearman";
-            row.simultaneous =
-                c.r.and_then(|r| simultaneous_interval(r, c.n, p.len(), ranks));
+            row.simultaneous = c.r.and_then(|r| simultaneous_interval(r, c.n, p.len(), ranks));
         }
     }
     Ok(rows)
@@ -124,10 +114,7 @@ pub fn least_that_holds(rows: &[HomophilyRow]) -> Option<(usize, f64)> {
 /// Everybody in every condition.
 pub(crate) fn cells(data: &StudyData) -> Vec<(&ParticipantId, ConditionId)> {
     let conditions = data.design.conditions();
-    data.participants
-        .iter()
-        .flat_map(|p| conditions.iter().map(move |c| (p, c.id)))
-        .collect()
+    data.participants.iter().flat_map(|p| conditions.iter().map(move |c| (p, c.id))).collect()
 }
 
 /// Perceived similarity against the ratings, over participants × conditions; nothing where none was declared.
@@ -150,11 +137,7 @@ pub(crate) fn similarity(data: &StudyData) -> Result<Vec<SimilarityRow>, Analysi
             within: correlate_within(&subjects, &x, &y)?,
         })
     };
-    ratings(data)
-        .iter()
-        .filter(|name| *name != similar)
-        .map(one)
-        .collect()
+    ratings(data).iter().filter(|name| *name != similar).map(one).collect()
 }
 
 /// Who rated another style above their own.

@@ -74,9 +74,7 @@ fn judge(
     }
     let differences: Vec<f64> = pairs.iter().map(|[a, b]| a - b).collect();
     let tested = contrast(panel, hypothesis.contrast);
-    let model = tested
-        .as_ref()
-        .and_then(|c| Some((c.mean_difference?, c.se?, c.df?)));
+    let model = tested.as_ref().and_then(|c| Some((c.mean_difference?, c.se?, c.df?)));
     match hypothesis.claim {
         Claim::Direction(sign) => {
             judged.mean_difference = mean_difference(panel, hypothesis.contrast);
@@ -130,11 +128,7 @@ fn rule(claim: &Claim, panel: &Panel, primary: Option<&PrimaryOutcome>) -> Strin
     };
     match claim {
         Claim::Direction(sign) => {
-            let way = if *sign == Sign::Plus {
-                "above"
-            } else {
-                "below"
-            };
+            let way = if *sign == Sign::Plus { "above" } else { "below" };
             format!(
                 "shown if the first lies {way} the second with p < .05 (two-sided, {}); fails if it lies on \
                  the other side by the same rule",

@@ -63,8 +63,7 @@ pub(crate) fn beside_lent(data: &StudyData) -> Result<Vec<BesideLent>, AnalysisE
     };
     let conditions = data.design.conditions().iter();
     let lent = conditions.filter(|c| matches!(c.car, Some(Car::Matched(_))));
-    lent.map(|condition| beside(data, own, condition.id))
-        .collect()
+    lent.map(|condition| beside(data, own, condition.id)).collect()
 }
 
 fn beside(
@@ -79,9 +78,7 @@ fn beside(
     let sum: f64 = lent.iter().map(|l| l.donor_distance_sd).sum();
     let more = BESIDE.map(|measure| Asked::measure(&data.design, measure));
     let compared = outcomes_and(data, more);
-    let rows = compared
-        .iter()
-        .map(|asked| contrast(data, asked, [own, condition]));
+    let rows = compared.iter().map(|asked| contrast(data, asked, [own, condition]));
     Ok(BesideLent {
         own,
         condition,
@@ -118,9 +115,7 @@ fn contrast(
     let at_same_speed = if enough && known && asked.id != SPEED {
         let y: Vec<Option<f64>> = differences.iter().copied().map(Some).collect();
         match linear_fit(&faster, &y) {
-            Ok(line) => line
-                .band(0.0, 0.95)
-                .map(|(low, high)| [line.intercept, low, high]),
+            Ok(line) => line.band(0.0, 0.95).map(|(low, high)| [line.intercept, low, high]),
             // Everybody's speeds differ by as much.
             Err(StatsError::BadParameter { .. }) => None,
             Err(error) => return Err(error.into()),
@@ -178,19 +173,11 @@ mod tests {
         let expected = [
             (
                 trust.difference,
-                [
-                    0.916_666_666_666_666_6,
-                    0.521_673_441_420_690_5,
-                    1.311_659_891_912_642_8,
-                ],
+                [0.916_666_666_666_666_6, 0.521_673_441_420_690_5, 1.311_659_891_912_642_8],
             ),
             (
                 trust.at_same_speed,
-                [
-                    0.921_710_063_335_679_1,
-                    0.462_700_724_489_485_7,
-                    1.380_719_402_182_187_2,
-                ],
+                [0.921_710_063_335_679_1, 0.462_700_724_489_485_7, 1.380_719_402_182_187_2],
             ),
         ];
         for (interval, expected) in expected {
@@ -201,10 +188,7 @@ mod tests {
         let speed = row(VELOCITY);
         assert!(speed.difference.is_some() && speed.at_same_speed.is_none());
         // What nobody measured has no numbers, and says so by its n.
-        assert_eq!(
-            (row("lane_changes").n, row("lane_changes").difference),
-            (0, None)
-        );
+        assert_eq!((row("lane_changes").n, row("lane_changes").difference), (0, None));
     }
 
     #[test]
@@ -213,15 +197,8 @@ mod tests {
         let mut five = tables();
         five.post.retain(|score| score.participant != person(5));
         let found = analysed_by(&design, five).lent.remove(0);
-        let trust = found
-            .rows
-            .iter()
-            .find(|r| r.outcome == "jian_trust.overall")
-            .unwrap();
-        assert_eq!(
-            (trust.n, trust.difference, trust.at_same_speed),
-            (5, None, None)
-        );
+        let trust = found.rows.iter().find(|r| r.outcome == "jian_trust.overall").unwrap();
+        assert_eq!((trust.n, trust.difference, trust.at_same_speed), (5, None, None));
         let nobodys = design.replace("{ dial = 0 }", "{ dial = 3 }");
         assert!(analysed_by(&nobodys, tables()).lent.is_empty());
         assert!(analysed_by(DESIGN, tables()).lent.is_empty());

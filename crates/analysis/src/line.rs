@@ -19,17 +19,11 @@ fn position(data: &StudyData, adb_used: bool) -> Vec<Option<f64>> {
 }
 
 fn own(data: &StudyData, measure: &str) -> Vec<Option<f64>> {
-    data.participants
-        .iter()
-        .map(|p| data.baseline(p, measure))
-        .collect()
+    data.participants.iter().map(|p| data.baseline(p, measure)).collect()
 }
 
 fn pairs(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
-    x.iter()
-        .zip(y)
-        .filter_map(|(x, y)| Some(((*x)?, (*y)?)))
-        .collect()
+    x.iter().zip(y).filter_map(|(x, y)| Some(((*x)?, (*y)?))).collect()
 }
 
 /// Positions against the baseline drive's measures, and against the score; none without a style or without positions.
@@ -38,11 +32,7 @@ pub(crate) fn line(
     adb_used: bool,
 ) -> Result<Option<AggressionLine>, AnalysisError> {
     let positions = position(data, adb_used);
-    let Some(style) = data
-        .design
-        .style()
-        .filter(|_| positions.iter().any(Option::is_some))
-    else {
+    let Some(style) = data.design.style().filter(|_| positions.iter().any(Option::is_some)) else {
         return Ok(None);
     };
     let row = |id: String, title: String, unit: String, values: Vec<Option<f64>>| {
@@ -55,10 +45,7 @@ pub(crate) fn line(
             title,
             unit,
             correlation,
-            ends: ends
-                .first()
-                .zip(ends.last())
-                .map(|(low, high)| (low.1, high.1)),
+            ends: ends.first().zip(ends.last()).map(|(low, high)| (low.1, high.1)),
             points,
         })
     };
@@ -69,11 +56,7 @@ pub(crate) fn line(
         // Correlated in the unit of the tables, shown in that of people.
         let shown = |v: f64| v * asked.factor;
         line_row.ends = line_row.ends.map(|(low, high)| (shown(low), shown(high)));
-        line_row.points = line_row
-            .points
-            .iter()
-            .map(|(x, y)| (*x, shown(*y)))
-            .collect();
+        line_row.points = line_row.points.iter().map(|(x, y)| (*x, shown(*y))).collect();
         rows.push(line_row);
     }
     let score = data.participants.iter().map(|p| data.pre(p, &style.score));

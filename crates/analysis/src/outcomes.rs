@@ -76,9 +76,7 @@ impl Asked {
         Self {
             id: name.to_string(),
             title: data.score_title(name),
-            unit: range.map_or_else(String::new, |(low, high)| {
-                format!("rating, {low} to {high}")
-            }),
+            unit: range.map_or_else(String::new, |(low, high)| format!("rating, {low} to {high}")),
             factor: 1.0,
             same: subscale.and_then(|(_, subscale)| subscale.same),
             aggression: None,
@@ -93,12 +91,7 @@ impl Asked {
     /// The same outcome by its score without the items that it drops; the contrasts and what is expected of it stay those of the outcome.
     pub(crate) fn without_items(data: &StudyData, outcome: &Outcome) -> Option<Self> {
         let reduced = Self::score(data, &outcome.score_without_items()?);
-        Some(Self {
-            id: outcome.id(),
-            test: outcome.test,
-            primary: outcome.primary,
-            ..reduced
-        })
+        Some(Self { id: outcome.id(), test: outcome.test, primary: outcome.primary, ..reduced })
     }
 
     /// The measure's column; none of a score.
@@ -167,21 +160,14 @@ pub fn shown_unit<'a>(design: &'a Design, outcome: &str) -> &'a str {
 pub(crate) fn outcomes(data: &StudyData) -> Vec<Asked> {
     let declared = data.design.outcomes();
     if !declared.is_empty() {
-        return declared
-            .iter()
-            .map(|o| Asked::from_outcome(data, o))
-            .collect();
+        return declared.iter().map(|o| Asked::from_outcome(data, o)).collect();
     }
     let measured = objective::all().iter().map(|m| m.name);
     let measured = measured.chain(data.design.measures().iter().map(|m| m.id.as_str()));
     let measured = measured.filter(|name| data.is_measured(name));
     let rated = data.rated_names().iter().filter(|name| {
         let conditions = data.design.conditions();
-        let in_one = |p| {
-            conditions
-                .iter()
-                .any(|c| data.rated(p, c.id, name).is_some())
-        };
+        let in_one = |p| conditions.iter().any(|c| data.rated(p, c.id, name).is_some());
         data.participants.iter().any(in_one)
     });
     measured

@@ -19,13 +19,8 @@ pub(crate) fn values(panel: &Panel, first: ConditionId, second: ConditionId) -> 
         Some(index) => row[index],
         None => (panel.differences_from == Some(id)).then_some(0.0),
     };
-    let complete = panel
-        .rows
-        .iter()
-        .filter(|row| row.iter().all(Option::is_some));
-    complete
-        .filter_map(|row| Some([value(row, first)?, value(row, second)?]))
-        .collect()
+    let complete = panel.rows.iter().filter(|row| row.iter().all(Option::is_some));
+    complete.filter_map(|row| Some([value(row, first)?, value(row, second)?])).collect()
 }
 
 /// The panel of everybody of an outcome.
@@ -67,10 +62,7 @@ pub(crate) fn model_pairs<'a>(
     panel: &'a Panel,
     period: Period,
 ) -> Option<ModelPairs<'a>> {
-    let declared = matches!(
-        asked.test,
-        Some(DeclaredTest::Mixed | DeclaredTest::Ordinal)
-    );
+    let declared = matches!(asked.test, Some(DeclaredTest::Mixed | DeclaredTest::Ordinal));
     if period != Period::Taken && !declared {
         return None;
     }
@@ -95,12 +87,7 @@ pub(crate) fn model_pairs<'a>(
         }
         _ => return None,
     };
-    Some(ModelPairs {
-        test,
-        pairs,
-        ratios,
-        names,
-    })
+    Some(ModelPairs { test, pairs, ratios, names })
 }
 
 const NO_TEST: &str = "the test has no p for these data";
@@ -121,10 +108,7 @@ pub(crate) fn why_no_p(panel: &Panel, [first, second]: [ConditionId; 2]) -> Stri
         }
         _ => None,
     };
-    let differences: Vec<f64> = values(panel, first, second)
-        .iter()
-        .map(|[a, b]| a - b)
-        .collect();
+    let differences: Vec<f64> = values(panel, first, second).iter().map(|[a, b]| a - b).collect();
     let alike = differences.windows(2).all(|d| (d[0] - d[1]).abs() < 1e-12);
     let why = of_model.or_else(|| alike.then_some(NO_SPREAD));
     why.unwrap_or(NO_TEST).to_owned()

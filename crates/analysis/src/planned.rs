@@ -56,19 +56,12 @@ pub fn planned(design: &Design) -> PlannedTest {
                 .filter(|(_, levels)| *levels > 1)
                 .collect();
             if let ([(_, levels)], [], true) = (&within[..], between, covariates.is_empty()) {
-                return if *levels == 2 {
-                    PlannedTest::Pair
-                } else {
-                    PlannedTest::OneFactor
-                };
+                return if *levels == 2 { PlannedTest::Pair } else { PlannedTest::OneFactor };
             }
             let shape = DesignShape {
                 within,
                 between: between.iter().map(|f| (f.name.clone(), 2)).collect(),
-                covariates: covariates
-                    .iter()
-                    .map(|c| (c.column.clone(), c.with.clone()))
-                    .collect(),
+                covariates: covariates.iter().map(|c| (c.column.clone(), c.with.clone())).collect(),
             };
             PlannedTest::Effects(DesignPlan::of(&shape))
         }

@@ -99,10 +99,7 @@ pub(crate) fn presses(data: &StudyData) -> Result<Option<Presses>, StatsError> {
         people: people.len(),
         presses: pressed.len(),
         before: if enough { before(&moments) } else { Vec::new() },
-        course: PRECURSORS
-            .iter()
-            .filter_map(|precursor| course(precursor, &moments))
-            .collect(),
+        course: PRECURSORS.iter().filter_map(|precursor| course(precursor, &moments)).collect(),
     }))
 }
 
@@ -114,10 +111,7 @@ fn rates(data: &StudyData, rides: &[&PressedRide]) -> Result<Rates, StatsError> 
     for ride in rides {
         let cell = cells
             .entry((&ride.participant, ride.condition))
-            .or_insert(Exposed {
-                events: 0,
-                time: 0.0,
-            });
+            .or_insert(Exposed { events: 0, time: 0.0 });
         cell.events += ride.presses;
         cell.time += ride.minutes;
     }
@@ -127,9 +121,7 @@ fn rates(data: &StudyData, rides: &[&PressedRide]) -> Result<Rates, StatsError> 
     let people: BTreeSet<&ParticipantId> = rides.iter().map(|ride| &ride.participant).collect();
     let (mut rows, mut incomplete) = (Vec::new(), Vec::new());
     for person in people {
-        let row = conditions
-            .iter()
-            .map(|id| cells.get(&(person, *id)).copied());
+        let row = conditions.iter().map(|id| cells.get(&(person, *id)).copied());
         match row.collect::<Option<Vec<Exposed>>>() {
             Some(row) => rows.push(row),
             None => incomplete.push(person.clone()),

@@ -29,21 +29,11 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             continue;
         };
         let contrast = contrast(panel, [first, second]);
-        let n = if panel.rows.iter().flatten().all(Option::is_none) {
-            0
-        } else {
-            panel.n
-        };
+        let n = if panel.rows.iter().flatten().all(Option::is_none) { 0 } else { panel.n };
         let contrast = contrast.filter(|_| closed_by.is_none() && n >= FEWEST);
         let p = contrast.as_ref().and_then(|c| c.p);
-        let measured = contrast
-            .as_ref()
-            .and_then(|_| mean_difference(panel, [first, second]));
-        let verdict = if closed_by.is_some() {
-            Verdict::NotTested
-        } else {
-            significant(n, p)
-        };
+        let measured = contrast.as_ref().and_then(|_| mean_difference(panel, [first, second]));
+        let verdict = if closed_by.is_some() { Verdict::NotTested } else { significant(n, p) };
         rows.push(PrimaryOutcome {
             title: panel.title.clone(),
             unit: panel.unit.clone(),
@@ -52,10 +42,7 @@ pub(crate) fn primary(data: &StudyData, panels: &[Panel]) -> Vec<PrimaryOutcome>
             test,
             n,
             closed_by: closed_by.clone(),
-            mean_difference: contrast
-                .as_ref()
-                .and_then(|c| c.mean_difference)
-                .or(measured),
+            mean_difference: contrast.as_ref().and_then(|c| c.mean_difference).or(measured),
             odds: contrast.as_ref().and_then(|c| c.odds),
             unbounded: contrast.as_ref().is_some_and(|c| c.unbounded),
             interval: contrast.and_then(|c| c.interval),

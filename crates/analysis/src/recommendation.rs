@@ -75,9 +75,7 @@ impl Learned {
         Recommendation {
             participant: p.clone(),
             beyond,
-            on_the_scale: preferred
-                .as_ref()
-                .and_then(|preferred| on_the_scale(data, p, preferred)),
+            on_the_scale: preferred.as_ref().and_then(|preferred| on_the_scale(data, p, preferred)),
             preferred,
             before_riding: self.preferred_within(&before, &traits, within),
             reasons: reasons(self, [&before, &rated, &after], &traits),
@@ -92,11 +90,7 @@ fn reasons(learned: &Learned, [before, rated, after]: [&Belief; 3], traits: &[f6
     // One unit of b in points, on the person's side of the dial.
     let side = -before.mean_of(&linear) / (2.0 * g);
     let unit = {
-        let step = if side >= learned.dial.shift[1] {
-            0.01
-        } else {
-            -0.01
-        };
+        let step = if side >= learned.dial.shift[1] { 0.01 } else { -0.01 };
         (learned.dial.points_at(side + step) - learned.dial.points_at(side)) / step / (-2.0 * g)
     };
     let mean = before.mean();

@@ -40,9 +40,7 @@ pub(crate) fn reproduction(
             asked.value(data, p, c).filter(|_| tested)
         };
         let people = || data.participants.iter();
-        let pairs: Vec<_> = people()
-            .map(|p| (value(p, condition), value(p, baseline)))
-            .collect();
+        let pairs: Vec<_> = people().map(|p| (value(p, condition), value(p, baseline))).collect();
         let accuracy = mean_accuracy(&pairs);
         let trained = data.training_drives(&asked.id);
         let guess =
@@ -65,10 +63,8 @@ pub(crate) fn reproduction(
             title: asked.title,
         })
     };
-    let mut rows: Vec<Reproduction> = measures(data)
-        .into_iter()
-        .map(one)
-        .collect::<Result<_, AnalysisError>>()?;
+    let mut rows: Vec<Reproduction> =
+        measures(data).into_iter().map(one).collect::<Result<_, AnalysisError>>()?;
     let biases = rows.iter_mut().filter_map(|r| r.bias.as_mut());
     holm(biases.map(|b| (b.p, &mut b.p_holm)))?;
     Ok(rows)
@@ -144,12 +140,7 @@ pub(crate) fn nearer(data: &StudyData, panels: &[Panel]) -> Result<Vec<Nearer>, 
             if n == 0 {
                 continue;
             }
-            let count = |order| {
-                distances
-                    .iter()
-                    .filter(|d| d[0].total_cmp(&d[1]) == order)
-                    .count()
-            };
+            let count = |order| distances.iter().filter(|d| d[0].total_cmp(&d[1]) == order).count();
             let [nearer, tied, farther] =
                 [Ordering::Less, Ordering::Equal, Ordering::Greater].map(count);
             let tested = WithinSubjects::from_rows(

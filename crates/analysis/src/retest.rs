@@ -65,16 +65,9 @@ pub(crate) fn repeats(data: &StudyData) -> Result<Option<Repeats>, AnalysisError
     if !data.design.repeats() {
         return Ok(None);
     }
-    let readings = if data.design.protocol().session_count() > 1 {
-        readings(data)
-    } else {
-        Vec::new()
-    };
-    let back = |index: &usize| {
-        readings
-            .iter()
-            .any(|reading| reading.second[*index].is_some())
-    };
+    let readings =
+        if data.design.protocol().session_count() > 1 { readings(data) } else { Vec::new() };
+    let back = |index: &usize| readings.iter().any(|reading| reading.second[*index].is_some());
     let people = data.participants.len();
     let back = (0..people).filter(back).count();
     let rows = readings.iter().map(Reading::compared);
@@ -82,11 +75,7 @@ pub(crate) fn repeats(data: &StudyData) -> Result<Option<Repeats>, AnalysisError
     Ok(Some(Repeats {
         rides: rides(data),
         back,
-        gone: if readings.is_empty() {
-            0
-        } else {
-            people - back
-        },
+        gone: if readings.is_empty() { 0 } else { people - back },
         retest: rows.into_iter().filter(|row| row.n > 0).collect(),
     }))
 }
@@ -108,11 +97,7 @@ fn rides(data: &StudyData) -> Vec<RidesCounted> {
             rides: counts.iter().sum(),
         }
     };
-    data.design
-        .conditions()
-        .iter()
-        .map(|c| counted(c.id))
-        .collect()
+    data.design.conditions().iter().map(|c| counted(c.id)).collect()
 }
 
 /// What everybody has in the first and the second session, in the unit in which people read it.
@@ -204,18 +189,8 @@ fn style(data: &StudyData, baseline: ConditionId, sessions: [NonZeroU32; 2]) -> 
         })
     };
     let rows = [
-        (
-            "line_position",
-            "Position on the line",
-            "SD",
-            read(|e| e.line_position),
-        ),
-        (
-            "adb_hat",
-            "Score read from the style",
-            "points",
-            read(|e| e.adb_hat),
-        ),
+        ("line_position", "Position on the line", "SD", read(|e| e.line_position)),
+        ("adb_hat", "Score read from the style", "points", read(|e| e.adb_hat)),
     ];
     let reading =
         |(outcome, title, unit, [first, second]): (&str, &str, &str, [Vec<_>; 2])| Reading {
@@ -248,10 +223,7 @@ mod tests {
         for i in 0..people {
             for condition in ["own", "fast", "slow"].map(id) {
                 for occasion in design.occasions(condition) {
-                    let ride = Ride {
-                        condition,
-                        occasion,
-                    };
+                    let ride = Ride { condition, occasion };
                     let Some(mps) = speed(i, ride) else { continue };
                     let mut driven = drive(i, condition.as_str(), Some(mps));
                     driven.meta = driven.meta.on(occasion);
@@ -304,11 +276,8 @@ mod tests {
         near(data.rated(&person(3), id("slow"), &trust), 23.0);
         near(data.baseline(&person(2), SPEED), 22.0);
         let repeats = analysed(gap).repeats.unwrap();
-        let counted: Vec<_> = repeats
-            .rides
-            .iter()
-            .map(|r| (r.condition, r.whole, r.fewer, r.rides))
-            .collect();
+        let counted: Vec<_> =
+            repeats.rides.iter().map(|r| (r.condition, r.whole, r.fewer, r.rides)).collect();
         assert_eq!(counted, [(id("fast"), 3, 1, 7), (id("slow"), 4, 0, 8)]);
     }
 
@@ -322,9 +291,7 @@ mod tests {
         });
         let repeats = analysed(elsewhere).repeats.unwrap();
         let counted = repeats.rides.iter();
-        let counted: Vec<_> = counted
-            .map(|r| (r.condition, r.whole, r.fewer, r.rides))
-            .collect();
+        let counted: Vec<_> = counted.map(|r| (r.condition, r.whole, r.fewer, r.rides)).collect();
         assert_eq!(counted, [(id("fast"), 3, 1, 7), (id("slow"), 4, 0, 8)]);
     }
 

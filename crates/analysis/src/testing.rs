@@ -106,9 +106,7 @@ pub(crate) fn tables() -> Tables {
         tables.embeddings.push(position(i, i as f64));
         let pre = |scale, subscale, value| score(i, Moment::Pre, scale, subscale, value);
         tables.pre.push(pre("adb", "total", ADB[i]));
-        tables
-            .pre
-            .push(pre("mini_ipip", "conscientiousness", CONSCIENTIOUSNESS[i]));
+        tables.pre.push(pre("mini_ipip", "conscientiousness", CONSCIENTIOUSNESS[i]));
         for (k, condition) in CONDITIONS.into_iter().enumerate() {
             let speed = OWN[i] + FASTER[k][i];
             tables.measurements.push(drive(i, condition, Some(speed)));
@@ -135,14 +133,9 @@ pub(crate) fn analysed(tables: Tables) -> Analysis {
 
 /// The shortest design: these conditions, none of them steered, against the own drive.
 pub(crate) fn plain(conditions: &[&str], more: &str) -> String {
-    let conditions: Vec<String> = conditions
-        .iter()
-        .map(|c| format!("[[condition]]\nid = \"{c}\"\n"))
-        .collect();
-    format!(
-        "[study]\ntitle = \"t\"\n[baseline]\nid = \"own\"\n{}{more}",
-        conditions.concat()
-    )
+    let conditions: Vec<String> =
+        conditions.iter().map(|c| format!("[[condition]]\nid = \"{c}\"\n")).collect();
+    format!("[study]\ntitle = \"t\"\n[baseline]\nid = \"own\"\n{}{more}", conditions.concat())
 }
 
 pub(crate) fn panel<'a>(a: &'a Analysis, outcome: &str) -> &'a Panel {
@@ -189,13 +182,7 @@ pub(crate) fn liked(people: usize, best: impl Fn(f64) -> f64, bend: f64) -> Tabl
         };
         let own = 30.0 + 10.0 * draw("own");
         let top = best(own) + draw("top");
-        tables.pre.push(score(
-            i,
-            Moment::Pre,
-            "mini_ipip",
-            "conscientiousness",
-            draw("trait"),
-        ));
+        tables.pre.push(score(i, Moment::Pre, "mini_ipip", "conscientiousness", draw("trait")));
         for (condition, moved) in [("same", 0.0), ("fast", 15.0), ("slow", -15.0)] {
             tables.conditions.push(ConditionRow {
                 adb_hat: Some(own + moved),
@@ -204,9 +191,7 @@ pub(crate) fn liked(people: usize, best: impl Fn(f64) -> f64, bend: f64) -> Tabl
             });
             let trust = 4.0 + draw("level") - bend * (moved - top).powi(2) + 0.3 * draw(condition);
             let after = Moment::after(id(condition));
-            tables
-                .post
-                .push(score(i, after, "jian_trust", "overall", trust));
+            tables.post.push(score(i, after, "jian_trust", "overall", trust));
         }
     }
     tables

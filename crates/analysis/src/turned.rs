@@ -40,10 +40,7 @@ impl Turns {
             square += part * points * points;
         }
         let variance = (square - sum * sum).max(0.0) + self.step * self.step / 12.0;
-        Some(Settled {
-            points: sum,
-            sd: variance.sqrt(),
-        })
+        Some(Settled { points: sum, sd: variance.sqrt() })
     }
 }
 

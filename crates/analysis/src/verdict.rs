@@ -52,11 +52,7 @@ impl Verdict {
 
     /// Of `n` people without the number that would decide.
     fn without_number(n: usize) -> Self {
-        if n < FEWEST {
-            Self::of_few(n)
-        } else {
-            Self::NotTestable
-        }
+        if n < FEWEST { Self::of_few(n) } else { Self::NotTestable }
     }
 
     /// Whether a number decided, whichever way.

@@ -32,10 +32,9 @@ pub(crate) fn which_ride(data: &StudyData) -> Result<Option<WhichRide>, Analysis
         let condition = data.design.condition(*id);
         condition.is_some_and(Condition::in_own_style)
     };
-    let [Some(own), Some(other)] = [
-        pair.into_iter().find(own),
-        pair.into_iter().find(|id| !own(id)),
-    ] else {
+    let [Some(own), Some(other)] =
+        [pair.into_iter().find(own), pair.into_iter().find(|id| !own(id))]
+    else {
         return Ok(None);
     };
     // People with the own style first, then with it second: right choices of all.
@@ -73,10 +72,7 @@ pub(crate) fn which_ride(data: &StudyData) -> Result<Option<WhichRide>, Analysis
 
 /// Whether somebody named the later ride; none where they were not asked or left it out.
 fn answer(data: &StudyData, p: &ParticipantId) -> Option<bool> {
-    let name = ScoreName {
-        scale: WHICH.to_owned(),
-        subscale: WHICH.to_owned(),
-    };
+    let name = ScoreName { scale: WHICH.to_owned(), subscale: WHICH.to_owned() };
     Some(data.pre(p, &name)? > 1.5)
 }
 
@@ -115,11 +111,7 @@ mod tests {
         let mut tables = Tables::default();
         for i in 0..people {
             let own_first = i % 2 == 0;
-            let order = if own_first {
-                ["mine", "mean"]
-            } else {
-                ["mean", "mine"]
-            };
+            let order = if own_first { ["mine", "mean"] } else { ["mean", "mine"] };
             tables.people.push(Person {
                 id: person(i),
                 learned: false,
@@ -163,9 +155,7 @@ mod tests {
     fn it_is_shown_where_the_whole_interval_lies_above_a_half_and_fails_below() {
         let verdict = |right| {
             let analysis = analysed_by(DESIGN, asked(20, right));
-            finding::by_question(&analysis.findings, Question::Which)
-                .unwrap()
-                .verdict
+            finding::by_question(&analysis.findings, Question::Which).unwrap().verdict
         };
         // Clopper and Pearson of 15 in 20: .509 to .913; of 14: .457 to .881.
         assert_eq!(verdict(15), Verdict::Shown);

@@ -87,11 +87,7 @@ fn descriptors() -> Vec<u8> {
         number: Some(number),
         r#type: Some(ty as i32),
         type_name: of.map(str::to_owned),
-        label: Some(if list {
-            Label::Repeated
-        } else {
-            Label::Optional
-        } as i32),
+        label: Some(if list { Label::Repeated } else { Label::Optional } as i32),
         ..FieldDescriptorProto::default()
     };
     let message = |name: &str, field| DescriptorProto {
@@ -160,8 +156,7 @@ fn recording(chance: &mut Chance, protobuf: bool) -> Vec<u8> {
             chance.damage(&mut message);
         }
         message.truncate(1 << 16);
-        bag.message(channel, u32::from(i), u64::from(i), &message)
-            .unwrap();
+        bag.message(channel, u32::from(i), u64::from(i), &message).unwrap();
     }
     bag.finish().unwrap().into_inner()
 }
@@ -170,23 +165,12 @@ fn recording(chance: &mut Chance, protobuf: bool) -> Vec<u8> {
 fn shared(chance: &mut Chance) -> Vec<u8> {
     let mut bag = Writer::new(Cursor::new(Vec::new()), "fuzz").unwrap();
     let texts: Vec<String> = (0..3)
-        .map(|i| {
-            format!(
-                "float64 x\n# {}\n",
-                i.to_string().repeat(1 << chance.below(17))
-            )
-        })
+        .map(|i| format!("float64 x\n# {}\n", i.to_string().repeat(1 << chance.below(17))))
         .collect();
     for i in 0..chance.below(300) {
         let text = &texts[chance.below(3)];
-        let topic = if chance.below(9) == 0 {
-            "/t".to_owned()
-        } else {
-            format!("/{i}")
-        };
-        let channel = bag
-            .channel(&topic, "cdr", ("lab/msg/X", "ros2msg", text))
-            .unwrap();
+        let topic = if chance.below(9) == 0 { "/t".to_owned() } else { format!("/{i}") };
+        let channel = bag.channel(&topic, "cdr", ("lab/msg/X", "ros2msg", text)).unwrap();
         let mut message = vec![0, 1, 0, 0];
         message.extend(1.5_f64.to_le_bytes());
         bag.message(channel, i as u32, i as u64, &message).unwrap();
@@ -210,16 +194,9 @@ impl Fields {
     fn of(fields: &[&str], channel: &Channel, schema: Option<&OwnedSchema>) -> Self {
         let paths: Vec<&str> = fields
             .iter()
-            .filter_map(|field| {
-                field
-                    .strip_prefix(channel.topic.as_str())?
-                    .strip_prefix('.')
-            })
+            .filter_map(|field| field.strip_prefix(channel.topic.as_str())?.strip_prefix('.'))
             .collect();
-        Self {
-            codec: Codec::compile(channel, schema, &paths).ok(),
-            ..Self::default()
-        }
+        Self { codec: Codec::compile(channel, schema, &paths).ok(), ..Self::default() }
     }
 }
 
@@ -267,10 +244,7 @@ fn main() {
             _ => recording(&mut chance, false),
         };
         std::fs::write(&kept, &input).unwrap();
-        let how = Walk {
-            recover: chance.below(4) > 0,
-            ..Walk::default()
-        };
+        let how = Walk { recover: chance.below(4) > 0, ..Walk::default() };
         let before = PEAK.current_usage();
         PEAK.reset_peak_usage();
         let read = read_streams(std::slice::from_ref(&kept), how, |channel, schema| {

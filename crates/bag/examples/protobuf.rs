@@ -56,10 +56,7 @@ fn descriptors() -> Vec<u8> {
     let part = |name| (name, Type::Message, "Vector");
     let mut object = vec![("id", Type::Uint64, ""), double("yaw"), double("length")];
     object.extend(PARTS.map(part));
-    let scene = [
-        ("seconds", Type::Int64, ""),
-        ("object", Type::Message, "Object"),
-    ];
+    let scene = [("seconds", Type::Int64, ""), ("object", Type::Message, "Object")];
     let file = FileDescriptorProto {
         name: Some("p.proto".to_owned()),
         package: Some("p".to_owned()),
@@ -75,12 +72,7 @@ fn descriptors() -> Vec<u8> {
 }
 
 fn scene(message_type: &MessageDescriptor, objects: u32) -> Vec<u8> {
-    let kind = |name: &str| {
-        message_type
-            .parent_pool()
-            .get_message_by_name(name)
-            .unwrap()
-    };
+    let kind = |name: &str| message_type.parent_pool().get_message_by_name(name).unwrap();
     let object = |id: u32| {
         let mut object = DynamicMessage::new(kind("p.Object"));
         object.set_field_by_name("id", Value::U64(u64::from(id) + 1));

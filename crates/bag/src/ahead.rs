@@ -61,12 +61,7 @@ impl Ahead {
             source.finish()
         };
         let thread = std::thread::Builder::new().spawn(run).ok()?;
-        Some(Self {
-            chunks: Some(chunks),
-            used,
-            next: None,
-            thread: Some(thread),
-        })
+        Some(Self { chunks: Some(chunks), used, next: None, thread: Some(thread) })
     }
 
     /// The chunk whose content begins at `body` and is `length` bytes, if it was read ahead.
@@ -209,17 +204,10 @@ mod tests {
         let mut state = 1_u64;
         for i in 0..5 {
             let noise = (0..8192).flat_map(|_| {
-                state = state
-                    .wrapping_mul(6_364_136_223_846_793_005)
-                    .wrapping_add(1);
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                 (state ^ (state >> 29)).to_le_bytes()
             });
-            let head = MessageHeader {
-                channel_id,
-                sequence: i,
-                log_time: 1,
-                publish_time: 1,
-            };
+            let head = MessageHeader { channel_id, sequence: i, log_time: 1, publish_time: 1 };
             let noise: Vec<u8> = noise.collect();
             out.write_to_known_channel(&head, &noise).unwrap();
             out.flush().unwrap();
@@ -318,10 +306,6 @@ mod tests {
         let file = on_disk(&bytes);
         let mut ahead = Ahead::start(file.path(), bytes.len() as u64, false).unwrap();
         assert!(ahead.take(chunks[0].0, chunks[0].1).is_some());
-        assert!(
-            ahead
-                .take(body as u64, length)
-                .is_none_or(|f| f.checksum.is_none())
-        );
+        assert!(ahead.take(body as u64, length).is_none_or(|f| f.checksum.is_none()));
     }
 }

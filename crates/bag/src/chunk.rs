@@ -156,12 +156,7 @@ impl Unpacker {
             }
             _ => rest,
         };
-        let mut splitter = Splitter {
-            each,
-            crc: crc32fast::Hasher::new(),
-            pass_over: 0,
-            total: 0,
-        };
+        let mut splitter = Splitter { each, crc: crc32fast::Hasher::new(), pass_over: 0, total: 0 };
         let unpacked = match packing {
             Packing::None => Ok(splitter.take(data) == data.len()),
             Packing::Zstd if let Some((bytes, checksum)) = unpacked => {
@@ -380,10 +375,7 @@ mod tests {
     fn a_packing_is_told_by_its_name_else_by_the_first_bytes() {
         let of = |name: &str, data: &[u8]| head(1, name, 1).packing(data);
         assert_eq!(of("", b"x"), Some(Packing::None));
-        assert_eq!(
-            (of("zstd", b"x"), of("lz4", b"x")),
-            (Some(Packing::Zstd), Some(Packing::Lz4))
-        );
+        assert_eq!((of("zstd", b"x"), of("lz4", b"x")), (Some(Packing::Zstd), Some(Packing::Lz4)));
         assert_eq!(of("zst?", &[0x28, 0xb5, 0x2f, 0xfd]), Some(Packing::Zstd));
         assert_eq!(of("?", &[0x04, 0x22, 0x4d, 0x18]), Some(Packing::Lz4));
         assert_eq!(of("?", &[0x04, 0x22, 0x4d]), None);
@@ -398,16 +390,7 @@ mod tests {
         };
         assert_eq!(of(9, "zstd", 3, b"abc"), Some(b"abc".to_vec()));
         assert_eq!(of(MOST_ROOM, "zstd", 3, b"abc"), Some(b"abc".to_vec()));
-        assert_eq!(
-            (
-                of(0, "zstd", 3, b"abc"),
-                of(MOST_ROOM + 1, "zstd", 3, b"abc")
-            ),
-            (None, None)
-        );
-        assert_eq!(
-            (of(9, "lz4", 3, b"abc"), of(9, "zstd", 4, b"abc")),
-            (None, None)
-        );
+        assert_eq!((of(0, "zstd", 3, b"abc"), of(MOST_ROOM + 1, "zstd", 3, b"abc")), (None, None));
+        assert_eq!((of(9, "lz4", 3, b"abc"), of(9, "zstd", 4, b"abc")), (None, None));
     }
 }

@@ -35,11 +35,7 @@ pub struct OwnedSchema {
 
 impl From<Schema<'_>> for OwnedSchema {
     fn from(schema: Schema<'_>) -> Self {
-        Self {
-            name: schema.name,
-            encoding: schema.encoding,
-            data: schema.data.into(),
-        }
+        Self { name: schema.name, encoding: schema.encoding, data: schema.data.into() }
     }
 }
 
@@ -80,20 +76,13 @@ impl Codec {
             return Err(format!("its schema {} is missing", channel.schema_id));
         };
         if schema.encoding != expected {
-            return Err(format!(
-                "schema encoding is `{}`, expected `{expected}`",
-                schema.encoding
-            ));
+            return Err(format!("schema encoding is `{}`, expected `{expected}`", schema.encoding));
         }
         if encoding == "protobuf" {
             let plan = protobuf::Plan::compile(&schema.name, &schema.data, wanted)?;
             return Ok(Self(Plan::Protobuf(plan)));
         }
-        let dialect = if encoding == "ros1" {
-            Dialect::Ros1
-        } else {
-            Dialect::Ros2
-        };
+        let dialect = if encoding == "ros1" { Dialect::Ros1 } else { Dialect::Ros2 };
         let text = std::str::from_utf8(&schema.data).map_err(|_| "its schema is not text")?;
         let definitions = definition::parse(&schema.name, text, dialect)?;
         plan::Plan::compile(&definitions, wanted, dialect).map(|plan| Self(Plan::Ros(plan)))
@@ -133,9 +122,9 @@ impl Codec {
                 Ok(left) => Err(format!("its schema leaves {left} bytes of a message over")),
                 Err(e) => Err(misfit(e.to_string())),
             },
-            Plan::Json(_) | Plan::Protobuf(_) => self
-                .run(message, &mut Vec::new(), &mut |_| {})
-                .map_err(misfit),
+            Plan::Json(_) | Plan::Protobuf(_) => {
+                self.run(message, &mut Vec::new(), &mut |_| {}).map_err(misfit)
+            }
         }
     }
 }
@@ -154,12 +143,7 @@ pub(crate) fn same_type(a: &str, b: &str) -> bool {
 mod tests {
     use super::*;
     fn channel(encoding: &str) -> Channel {
-        Channel {
-            id: 1,
-            schema_id: 3,
-            topic: "/a".to_owned(),
-            encoding: encoding.to_owned(),
-        }
+        Channel { id: 1, schema_id: 3, topic: "/a".to_owned(), encoding: encoding.to_owned() }
     }
 
     fn schema(encoding: &str, text: &[u8]) -> OwnedSchema {
@@ -178,31 +162,17 @@ mod tests {
             (
                 "cdr",
                 "ros2msg",
-                [
-                    &[0, 1, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0][..],
-                    &2.5_f64.to_le_bytes(),
-                ]
-                .concat(),
+                [&[0, 1, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0][..], &2.5_f64.to_le_bytes()].concat(),
             ),
-            (
-                "ros1",
-                "ros1msg",
-                [&[5][..], &2.5_f64.to_le_bytes()].concat(),
-            ),
+            ("ros1", "ros1msg", [&[5][..], &2.5_f64.to_le_bytes()].concat()),
             ("json", "jsonschema", b"{\"b\":2.5}".to_vec()),
         ] {
             let codec =
                 Codec::compile(&channel(encoding), Some(&schema(of, text)), &["b"]).unwrap();
             let mut row = Vec::new();
-            codec
-                .run(&message, &mut row, &mut |_| panic!("no rows"))
-                .unwrap();
+            codec.run(&message, &mut row, &mut |_| panic!("no rows")).unwrap();
             assert_eq!(row, [2.5], "{encoding}");
-            assert!(
-                codec
-                    .run(&message[..message.len() - 1], &mut row, &mut |_| {})
-                    .is_err()
-            );
+            assert!(codec.run(&message[..message.len() - 1], &mut row, &mut |_| {}).is_err());
             if encoding == "json" {
                 continue;
             }
@@ -211,20 +181,11 @@ mod tests {
             };
             assert_eq!(why(None), "its schema 3 is missing");
             let other = why(Some(&schema("ros3msg", text)));
-            assert_eq!(
-                other,
-                format!("schema encoding is `ros3msg`, expected `{of}`")
-            );
-            assert_eq!(
-                why(Some(&schema(of, &[0xff, 0xfe]))),
-                "its schema is not text"
-            );
+            assert_eq!(other, format!("schema encoding is `ros3msg`, expected `{of}`"));
+            assert_eq!(why(Some(&schema(of, &[0xff, 0xfe]))), "its schema is not text");
         }
         let why = Codec::compile(&channel("avro"), Some(&schema("avro", b"{}")), &[]).unwrap_err();
-        assert_eq!(
-            why,
-            "message encoding is `avro`, expected cdr, ros1, json or protobuf"
-        );
+        assert_eq!(why, "message encoding is `avro`, expected cdr, ros1, json or protobuf");
     }
 
     #[test]
@@ -237,10 +198,7 @@ mod tests {
         let over = codec.fits(&message(MOST_PADDING + 1)).unwrap_err();
         assert_eq!(over, "its schema leaves 8 bytes of a message over");
         let short = codec.fits(&message(0)[..4]).unwrap_err();
-        assert_eq!(
-            short,
-            "its schema does not fit a message: its bytes end early"
-        );
+        assert_eq!(short, "its schema does not fit a message: its bytes end early");
         let json = Codec::compile(&channel("json"), None, &[]).unwrap();
         assert_eq!(json.fits(b"{}"), Ok(()));
         assert!(

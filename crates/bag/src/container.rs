@@ -63,10 +63,7 @@ pub fn walk_from(
     let length = length.and_then(|length| source.rewind().map(|()| length));
     let length = length.map_err(|e| BagError::io(path, e))?;
     let damage = walk_with(path, source, length, None, how, visitor)?;
-    Ok(Walked {
-        damage,
-        blake3: None,
-    })
+    Ok(Walked { damage, blake3: None })
 }
 
 fn walk_with(
@@ -126,10 +123,8 @@ impl<R: Read + Seek> Walker<'_, R> {
         self.resume = offset;
         loop {
             let Some((opcode, length)) = self.head(offset)? else {
-                return self.damaged(
-                    offset,
-                    "the file ends without a footer: its recording was cut off",
-                );
+                return self
+                    .damaged(offset, "the file ends without a footer: its recording was cut off");
             };
             let body = offset + HEAD as u64;
             let left = self.length - body;

@@ -31,10 +31,7 @@ impl Plan {
     ) -> Result<(), String> {
         let mut taken = Taken::new(&self.slots);
         let mut reader = serde_json::Deserializer::from_slice(message);
-        let seed = Seed {
-            tree: &self.tree,
-            taken: &mut taken,
-        };
+        let seed = Seed { tree: &self.tree, taken: &mut taken };
         let read = seed.deserialize(&mut reader).and_then(|()| reader.end());
         read.map_err(|e| format!("it is no JSON: {e}"))?;
         self.slots.give(&mut taken, row, each)
@@ -106,10 +103,7 @@ impl<'de> Visitor<'de> for Seed<'_> {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
         while let Some(name) = map.next_key::<std::borrow::Cow<'de, str>>()? {
             match self.tree.fields.get(name.as_ref()) {
-                Some(tree) => map.next_value_seed(Seed {
-                    tree,
-                    taken: &mut *self.taken,
-                })?,
+                Some(tree) => map.next_value_seed(Seed { tree, taken: &mut *self.taken })?,
                 None => {
                     map.next_value::<IgnoredAny>()?;
                 }
@@ -122,18 +116,11 @@ impl<'de> Visitor<'de> for Seed<'_> {
         for index in 0.. {
             let item = self.tree.items.get(&index);
             let as_row = item.is_none() && self.tree.each.is_some() && self.taken.begin_row();
-            let tree = if as_row {
-                self.tree.each.as_deref()
-            } else {
-                item
-            };
+            let tree = if as_row { self.tree.each.as_deref() } else { item };
             let more = match tree {
-                Some(tree) => seq
-                    .next_element_seed(Seed {
-                        tree,
-                        taken: &mut *self.taken,
-                    })?
-                    .is_some(),
+                Some(tree) => {
+                    seq.next_element_seed(Seed { tree, taken: &mut *self.taken })?.is_some()
+                }
                 None => seq.next_element::<IgnoredAny>()?.is_some(),
             };
             if as_row {
@@ -176,10 +163,7 @@ mod tests {
     #[test]
     fn a_text_that_is_wanted_is_no_number_and_too_many_rows_are_refused() {
         let wanted = ["cars[].id|cars[].id#"];
-        let found = rows(
-            r#"{"cars":[{"id":7},{"id":"7"},{"id":"007"},{"id":"car"}]}"#,
-            &wanted,
-        );
+        let found = rows(r#"{"cars":[{"id":7},{"id":"7"},{"id":"007"},{"id":"car"}]}"#, &wanted);
         let found = found.unwrap();
         let ids: std::collections::BTreeSet<u64> = found.iter().map(|r| r[0].to_bits()).collect();
         assert_eq!((found[0][0], ids.len()), (7.0, 4));

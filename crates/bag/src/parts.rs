@@ -41,10 +41,7 @@ pub fn is_split(path: &Path) -> bool {
 /// [`BagError::Io`] where the folder cannot be read.
 pub fn parts_of(path: &Path) -> Result<Parts, BagError> {
     if !path.is_dir() {
-        return Ok(Parts {
-            files: vec![path.to_owned()],
-            missing: Vec::new(),
-        });
+        return Ok(Parts { files: vec![path.to_owned()], missing: Vec::new() });
     }
     let metadata = path.join(METADATA);
     let listed = match std::fs::read_to_string(&metadata) {
@@ -67,23 +64,15 @@ pub fn parts_of(path: &Path) -> Result<Parts, BagError> {
             files: there.into_iter().map(|f| f.1).collect(),
         });
     }
-    let (files, missing) = listed
-        .into_iter()
-        .partition::<Vec<String>, _>(|name| path.join(name).is_file());
-    Ok(Parts {
-        files: files.into_iter().map(|name| path.join(name)).collect(),
-        missing,
-    })
+    let (files, missing) =
+        listed.into_iter().partition::<Vec<String>, _>(|name| path.join(name).is_file());
+    Ok(Parts { files: files.into_iter().map(|name| path.join(name)).collect(), missing })
 }
 
 fn name_of(folder: &Path) -> String {
     // `.` and `..` have a name as well.
     let folder = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());
-    folder
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned()
+    folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// The names below `relative_file_paths:` of a rosbag2 metadata file, without their folders.
@@ -147,11 +136,8 @@ mod tests {
         assert_eq!(parts_of(&folder).unwrap().missing, ["run_3.mcap"]);
         touch("other.mcap");
         assert!(!is_split(&folder));
-        std::fs::write(
-            folder.join(METADATA),
-            "relative_file_paths:\n- run_1.mcap\n- gone.mcap\n",
-        )
-        .unwrap();
+        std::fs::write(folder.join(METADATA), "relative_file_paths:\n- run_1.mcap\n- gone.mcap\n")
+            .unwrap();
         assert!(is_split(&folder));
         let parts = parts_of(&folder).unwrap();
         assert_eq!(parts.files, [folder.join("run_1.mcap")]);
@@ -169,10 +155,7 @@ mod tests {
         touch("notes_3.txt");
         assert!(is_split(&folder));
         let parts = parts_of(&folder).unwrap();
-        assert_eq!(
-            parts.files,
-            [folder.join("run_0.mcap"), folder.join("run_20240131.mcap")]
-        );
+        assert_eq!(parts.files, [folder.join("run_0.mcap"), folder.join("run_20240131.mcap")]);
         assert_eq!(parts.missing.len() as u64, MOST_PARTS - 1);
         assert_eq!(parts.missing[0], "run_1.mcap");
         // Without the first it is no recording that was split, only a folder.

@@ -81,9 +81,7 @@ impl Plan {
         each: &mut dyn FnMut(&[f64]),
     ) -> Result<(), String> {
         let mut taken = Taken::new(&self.slots);
-        self.root
-            .walk(message, &mut taken)
-            .ok_or("its bytes are no protobuf message")?;
+        self.root.walk(message, &mut taken).ok_or("its bytes are no protobuf message")?;
         self.slots.give(&mut taken, row, each)
     }
 }
@@ -137,12 +135,7 @@ fn field(descriptor: &FieldDescriptor, tree: &Tree, matched: &mut [bool]) -> Fie
             Value::Number(kind)
         }
     };
-    Field {
-        each: repeated && tree.each.is_some(),
-        value,
-        items,
-        repeated,
-    }
+    Field { each: repeated && tree.each.is_some(), value, items, repeated }
 }
 
 impl Node {

@@ -116,8 +116,7 @@ impl<'a> Fields<'a> {
     }
 
     pub(crate) fn text(&mut self) -> Option<String> {
-        self.block()
-            .map(|b| String::from_utf8_lossy(b).into_owned())
+        self.block().map(|b| String::from_utf8_lossy(b).into_owned())
     }
 }
 
@@ -143,11 +142,7 @@ pub(crate) fn parse(opcode: u8, content: &[u8]) -> Option<Record<'_>> {
             fields.u32()?;
             let log_ns = fields.u64()?;
             fields.u64()?;
-            Record::Message(Message {
-                channel,
-                log_ns,
-                data: fields.0,
-            })
+            Record::Message(Message { channel, log_ns, data: fields.0 })
         }
         op::METADATA => {
             let name = fields.text()?;
@@ -186,10 +181,7 @@ mod tests {
 
     #[test]
     fn a_claimed_length_past_the_end_gives_nothing() {
-        assert_eq!(
-            parse(op::SCHEMA, &[1, 0, 255, 255, 255, 255, b'x', 0, 0]),
-            None
-        );
+        assert_eq!(parse(op::SCHEMA, &[1, 0, 255, 255, 255, 255, b'x', 0, 0]), None);
         assert_eq!(parse(op::MESSAGE, &[0; 10]), None);
         assert_eq!(parse(op::FOOTER, &[]), Some(Record::Other));
     }
@@ -201,20 +193,11 @@ mod tests {
         let schema = [&[7, 1][..], &text("T"), &text("ros2msg"), &text("x y")].concat();
         let channel = [&[8, 1, 7, 1][..], &text("/a"), &text("cdr")].concat();
         let pairs = [text("k"), text("v"), text("a"), text("b")].concat();
-        let metadata = [
-            text("n"),
-            (pairs.len() as u32).to_le_bytes().to_vec(),
-            pairs,
-        ]
-        .concat();
+        let metadata = [text("n"), (pairs.len() as u32).to_le_bytes().to_vec(), pairs].concat();
         let message = [&[8, 1][..], &[9; 4], &5_u64.to_le_bytes(), &[6; 8], b"data"].concat();
         let values = [("k", "v"), ("a", "b")].map(|(k, v)| (k.to_owned(), v.to_owned()));
         let cases = [
-            (
-                op::HEADER,
-                header,
-                Record::Header("ros2".to_owned(), "lib".to_owned()),
-            ),
+            (op::HEADER, header, Record::Header("ros2".to_owned(), "lib".to_owned())),
             (
                 op::SCHEMA,
                 schema,
@@ -238,10 +221,7 @@ mod tests {
             (
                 op::METADATA,
                 metadata,
-                Record::Metadata(Metadata {
-                    name: "n".to_owned(),
-                    values: BTreeMap::from(values),
-                }),
+                Record::Metadata(Metadata { name: "n".to_owned(), values: BTreeMap::from(values) }),
             ),
         ];
         for (opcode, bytes, expected) in &cases {
@@ -251,10 +231,7 @@ mod tests {
         let Some(Record::Message(found)) = parse(op::MESSAGE, &message) else {
             panic!("a message");
         };
-        assert_eq!(
-            (found.channel, found.log_ns, found.data),
-            (264, 5, &b"data"[..])
-        );
+        assert_eq!((found.channel, found.log_ns, found.data), (264, 5, &b"data"[..]));
         assert!((0..22).all(|n| parse(op::MESSAGE, &message[..n]).is_none()));
         assert!(
             matches!(parse(op::MESSAGE, &message[..22]), Some(Record::Message(m)) if m.data.is_empty())

@@ -61,9 +61,7 @@ pub fn read_streams<T: Take>(
     how: Walk,
     taker: impl FnMut(&Channel, Option<&OwnedSchema>) -> T,
 ) -> Result<Streams<T>, BagError> {
-    streams_of(parts.len(), taker, |part, visitor| {
-        walk(&parts[part], how, visitor)
-    })
+    streams_of(parts.len(), taker, |part, visitor| walk(&parts[part], how, visitor))
 }
 
 /// Reads streams of anything that can be walked part by part.
@@ -87,10 +85,7 @@ pub(crate) fn streams_of<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T>
         collector = Collector::new(collector.taker, collector.declared);
         walked = walk_all(&mut collector)?;
     }
-    Ok(Streams {
-        walked,
-        ..collector.read
-    })
+    Ok(Streams { walked, ..collector.read })
 }
 
 /// What a file declares; declarations of damaged chunks are kept apart.

@@ -35,9 +35,7 @@ fn summary(file: &mut File) -> Option<Vec<u8>> {
         return None;
     };
     let (start, crc) = (footer.summary_start, footer.summary_crc);
-    let size = footer_start
-        .checked_sub(start)
-        .filter(|n| start > 0 && *n <= MOST_SUMMARY)?;
+    let size = footer_start.checked_sub(start).filter(|n| start > 0 && *n <= MOST_SUMMARY)?;
     let mut bytes = vec![0; size as usize];
     file.seek(SeekFrom::Start(start)).ok()?;
     file.read_exact(&mut bytes).ok()?;
@@ -130,10 +128,7 @@ pub fn attachment(path: &Path, name: &str) -> Result<Option<Vec<u8>>, BagError> 
     file.seek(SeekFrom::Start(index.offset)).map_err(io)?;
     let mut record = vec![0; index.length as usize];
     file.read_exact(&mut record).map_err(io)?;
-    let alone = AttachmentIndex {
-        offset: 0,
-        ..index.clone()
-    };
+    let alone = AttachmentIndex { offset: 0, ..index.clone() };
     let attachment = mcap::read::attachment(&record, &alone).map_err(|_| damaged())?;
     Ok(Some(attachment.data.into_owned()))
 }
@@ -177,15 +172,9 @@ mod tests {
     fn channels_are_announced_with_their_counts_by_a_whole_summary_alone() {
         let mut writer = Writer::new(Cursor::new(Vec::new()), "tests").unwrap();
         let mut channel = |topic: &str, name: &str| {
-            writer
-                .channel(topic, "cdr", (name, "ros2msg", "string data"))
-                .unwrap()
+            writer.channel(topic, "cdr", (name, "ros2msg", "string data")).unwrap()
         };
-        let (a, _, c) = (
-            channel("/a", "lab/A"),
-            channel("/b", "lab/B"),
-            channel("/c", "lab/A"),
-        );
+        let (a, _, c) = (channel("/a", "lab/A"), channel("/b", "lab/B"), channel("/c", "lab/A"));
         for (channel, n) in [(a, 3), (c, 5)] {
             (0..n).for_each(|i| writer.message(channel, i, 1, b"x").unwrap());
         }
@@ -243,12 +232,8 @@ mod tests {
         let (offset, length) = (at + HEAD, at + HEAD + 8);
         let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
         let rest = bytes.len() as u64 - number(offset);
-        for (place, value) in [
-            (length, rest),
-            (length, rest + 1),
-            (length, u64::MAX),
-            (offset, 8),
-        ] {
+        for (place, value) in [(length, rest), (length, rest + 1), (length, u64::MAX), (offset, 8)]
+        {
             let mut changed = bytes.clone();
             changed[place..place + 8].copy_from_slice(&value.to_le_bytes());
             changed[footer + 25..footer + 29].fill(0);

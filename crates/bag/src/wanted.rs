@@ -27,10 +27,9 @@ pub(crate) fn all_matched(
 ) -> Result<(), String> {
     let lacks = |(path, matched): &(&&str, &bool)| !**matched && !may_be_missing(path);
     match wanted.iter().zip(matched).find(lacks) {
-        Some((path, _)) => Err(format!(
-            "`{type_name}` in its schema has no number `{}`",
-            in_words(path)
-        )),
+        Some((path, _)) => {
+            Err(format!("`{type_name}` in its schema has no number `{}`", in_words(path)))
+        }
         None => Ok(()),
     }
 }
@@ -128,10 +127,7 @@ impl Slots {
         for slot in tree.row_slots() {
             in_rows[slot] = true;
         }
-        Self {
-            names: wanted.iter().map(|&w| w.to_owned()).collect(),
-            in_rows,
-        }
+        Self { names: wanted.iter().map(|&w| w.to_owned()).collect(), in_rows }
     }
 
     /// Gives every row to `each`, with the numbers that stand outside rows; leaves those in `row`.
@@ -227,8 +223,7 @@ impl Taken {
             return false;
         }
         self.in_row = true;
-        self.rows
-            .extend(std::iter::repeat_n(f64::NAN, self.outer.len()));
+        self.rows.extend(std::iter::repeat_n(f64::NAN, self.outer.len()));
         true
     }
 
@@ -255,13 +250,7 @@ mod tests {
     fn a_name_s_number_is_the_upper_53_bits_of_its_fnv_1a_without_namespace_and_zero() {
         // The test vectors of the hash: 85944171f73967e8 for `foobar`, af63dc4c8601ec8c for `a`.
         let foobar = (0x8594_4171_f739_67e8_u64 >> 11) as f64;
-        for name in [
-            "foobar",
-            "car/foobar",
-            "/lab/car/foobar",
-            "foobar\0",
-            "car/foobar\0",
-        ] {
+        for name in ["foobar", "car/foobar", "/lab/car/foobar", "foobar\0", "car/foobar\0"] {
             assert_eq!(name_number(name.as_bytes()).to_bits(), foobar.to_bits());
         }
         assert_eq!(
@@ -280,20 +269,12 @@ mod tests {
 
     #[test]
     fn slots_within_rows_are_those_below_a_sequence() {
-        let (slots, tree) = slots(&[
-            "t",
-            "cars[].id|cars[].id#",
-            "cars[].size[0]",
-            "list[2].x",
-            "a.b[].c",
-        ]);
+        let (slots, tree) =
+            slots(&["t", "cars[].id|cars[].id#", "cars[].size[0]", "list[2].x", "a.b[].c"]);
         assert_eq!(slots.in_rows, [false, true, true, false, true]);
         assert_eq!(tree.fields["t"].slots, [0]);
         let cars = tree.fields["cars"].each.as_ref().unwrap();
-        assert_eq!(
-            (&cars.fields["id"].slots, &cars.fields["id"].names),
-            (&vec![1], &vec![1])
-        );
+        assert_eq!((&cars.fields["id"].slots, &cars.fields["id"].names), (&vec![1], &vec![1]));
         assert_eq!(cars.fields["size"].items[&0].slots, [2]);
         assert_eq!(tree.fields["list"].items[&2].fields["x"].slots, [3]);
     }
@@ -316,10 +297,7 @@ mod tests {
                 given += 1;
                 assert_eq!(row, [1.0, 1.0, 7.0]);
             });
-            assert_eq!(
-                (all.is_ok(), given),
-                (fits, if fits { MOST_ROWS } else { 0 })
-            );
+            assert_eq!((all.is_ok(), given), (fits, if fits { MOST_ROWS } else { 0 }));
         }
         assert!(!Taken::new(&Slots::from_wanted(&[], &Tree::default())).begin_row());
     }
@@ -333,9 +311,7 @@ mod tests {
         assert_eq!(error, "it has no number `t`");
         taken.set(&[0], 5.0);
         taken.set_default(&[0], 6.0);
-        slots
-            .give(&mut taken, &mut row, &mut |_| panic!("no row"))
-            .unwrap();
+        slots.give(&mut taken, &mut row, &mut |_| panic!("no row")).unwrap();
         assert_eq!(row[0].to_bits(), 5.0_f64.to_bits(), "the first stays");
         assert!(taken.begin_row());
         taken.set_default(&[1], 8.0);
@@ -344,9 +320,7 @@ mod tests {
         taken.drop_row();
         taken.end_row();
         let mut rows = Vec::new();
-        slots
-            .give(&mut taken, &mut row, &mut |r| rows.push(r.to_vec()))
-            .unwrap();
+        slots.give(&mut taken, &mut row, &mut |r| rows.push(r.to_vec())).unwrap();
         assert_eq!(rows.len(), 1, "the last was taken back");
         assert_eq!(rows[0][..2], [5.0, 8.0]);
         assert!(rows[0][2].is_nan());

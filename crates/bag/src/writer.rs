@@ -56,10 +56,7 @@ impl<W: Write> Writer<W> {
         name: &str,
         values: BTreeMap<String, String>,
     ) -> Result<(), BagError> {
-        let record = records::Metadata {
-            name: name.to_owned(),
-            metadata: values,
-        };
+        let record = records::Metadata { name: name.to_owned(), metadata: values };
         self.out.write_metadata(&record).map_err(failed)
     }
 
@@ -91,9 +88,7 @@ impl<W: Write> Writer<W> {
     ) -> Result<u16, BagError> {
         let schema = self.out.add_schema(name, schema_encoding, data.as_ref());
         let schema = schema.map_err(failed)?;
-        let channel = self
-            .out
-            .add_channel(schema, topic, encoding, &BTreeMap::new());
+        let channel = self.out.add_channel(schema, topic, encoding, &BTreeMap::new());
         channel.map_err(failed)
     }
 
@@ -114,9 +109,7 @@ impl<W: Write> Writer<W> {
             log_time: time_ns,
             publish_time: time_ns,
         };
-        self.out
-            .write_to_known_channel(&head, bytes)
-            .map_err(failed)
+        self.out.write_to_known_channel(&head, bytes).map_err(failed)
     }
 
     /// Ends the recording with its summary and gives back what it was written to.

@@ -29,23 +29,14 @@ impl Entry {
 /// The program, then the paper.
 pub(crate) fn entries() -> [Entry; 2] {
     let software = [
-        (
-            "title",
-            "{MAVERIC}: driving styles learned, driven and studied",
-        ),
+        ("title", "{MAVERIC}: driving styles learned, driven and studied"),
         ("author", "{The MAVERIC founders}"),
         ("year", "2026"),
         ("version", env!("MAVERIC_VERSION")),
     ];
     let paper = [
-        (
-            "title",
-            "{MAVERIC}: A Data-Driven Approach to Personalized Autonomous Driving",
-        ),
-        (
-            "author",
-            "Schrum, Mariah L. and Sumner, Emily and Gombolay, Matthew C. and Best, Andrew",
-        ),
+        ("title", "{MAVERIC}: A Data-Driven Approach to Personalized Autonomous Driving"),
+        ("author", "Schrum, Mariah L. and Sumner, Emily and Gombolay, Matthew C. and Best, Andrew"),
         ("year", "2023"),
         ("eprint", "2301.08595"),
         ("archiveprefix", "arXiv"),
@@ -55,15 +46,7 @@ pub(crate) fn entries() -> [Entry; 2] {
         fields.iter().map(field).collect()
     };
     [
-        Entry {
-            kind: "software",
-            key: "maveric_software",
-            fields: owned(&software),
-        },
-        Entry {
-            kind: "misc",
-            key: "schrum2023maveric",
-            fields: owned(&paper),
-        },
+        Entry { kind: "software", key: "maveric_software", fields: owned(&software) },
+        Entry { kind: "misc", key: "schrum2023maveric", fields: owned(&paper) },
     ]
 }

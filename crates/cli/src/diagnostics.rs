@@ -67,9 +67,7 @@ pub(crate) struct Failed {
 
 impl miette::Diagnostic for Failed {
     fn help<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
-        self.help
-            .as_ref()
-            .map(|h| Box::new(h) as Box<dyn std::fmt::Display>)
+        self.help.as_ref().map(|h| Box::new(h) as Box<dyn std::fmt::Display>)
     }
 }
 
@@ -96,9 +94,7 @@ impl Said {
     fn from_error(error: &dyn Error) -> Self {
         Self {
             text: printable(&error.to_string()).into_owned(),
-            source: error
-                .source()
-                .map(|source| Box::new(Self::from_error(source))),
+            source: error.source().map(|source| Box::new(Self::from_error(source))),
         }
     }
 }
@@ -109,10 +105,7 @@ impl Failed {
         Self {
             doing: printable(&self.doing).into_owned(),
             cause: Box::new(Said::from_error(&*self.cause)),
-            help: self
-                .help
-                .as_deref()
-                .map(|help| printable(help).into_owned()),
+            help: self.help.as_deref().map(|help| printable(help).into_owned()),
         }
     }
 }
@@ -169,11 +162,7 @@ impl Failure {
         cause: impl std::error::Error + Send + Sync + 'static,
         help: Option<String>,
     ) -> Self {
-        Self::Failed(Failed {
-            doing: doing.to_owned(),
-            cause: Box::new(cause),
-            help,
-        })
+        Self::Failed(Failed { doing: doing.to_owned(), cause: Box::new(cause), help })
     }
 
     /// Turns what the system said into a failure of `doing`.
@@ -236,14 +225,11 @@ impl Failure {
 }
 
 fn is_broken_pipe(failed: &Failed) -> bool {
-    failed
-        .cause
-        .downcast_ref::<std::io::Error>()
-        .is_some_and(|e| {
-            // Windows has a second number for it, that no process is at the other end, without a kind of its own.
-            let nobody_reads = cfg!(windows) && e.raw_os_error() == Some(233);
-            nobody_reads || e.kind() == std::io::ErrorKind::BrokenPipe
-        })
+    failed.cause.downcast_ref::<std::io::Error>().is_some_and(|e| {
+        // Windows has a second number for it, that no process is at the other end, without a kind of its own.
+        let nobody_reads = cfg!(windows) && e.raw_os_error() == Some(233);
+        nobody_reads || e.kind() == std::io::ErrorKind::BrokenPipe
+    })
 }
 
 /// `plain`: without colours and line breaks, for where no person reads.
@@ -272,10 +258,7 @@ mod tests {
 
     #[test]
     fn what_a_terminal_would_obey_is_shown_and_other_text_is_left_alone() {
-        assert_eq!(
-            printable("/ego\u{1b}[2J\u{202e}x\r"),
-            "/ego\\u{1b}[2J\\u{202e}x\\u{d}"
-        );
+        assert_eq!(printable("/ego\u{1b}[2J\u{202e}x\r"), "/ego\\u{1b}[2J\\u{202e}x\\u{d}");
         assert!(matches!(printable("Größe\t3 m\n"), Cow::Borrowed(_)));
     }
 }

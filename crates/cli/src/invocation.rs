@@ -33,11 +33,7 @@ impl Invocation {
             tell!("error: could not find this program's own file: {error}");
             1
         })?;
-        Ok(Self {
-            words,
-            program,
-            leading: Vec::new(),
-        })
+        Ok(Self { words, program, leading: Vec::new() })
     }
 }
 

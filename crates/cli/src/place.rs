@@ -64,9 +64,7 @@ fn named(file: &Path) -> Result<PathBuf, Failure> {
 /// Refuses files that the design in the current directory names and that are not there, where the pipeline follows from it: a run would not
 /// read what is meant. What asks for no logs goes on without them.
 pub(crate) fn check_named_files(file: &Path) -> Result<(), Failure> {
-    check_designed(file, |study| {
-        maveric_study::check_named_files(study, Path::new(RESULTS))
-    })
+    check_designed(file, |study| maveric_study::check_named_files(study, Path::new(RESULTS)))
 }
 
 /// Refuses to run such a study while its table of people has no row.
@@ -103,14 +101,9 @@ pub(crate) struct PipelineArgs {
 impl PipelineArgs {
     /// The pipeline file and the targets: the first word is the file if it ends in `.toml`.
     pub(crate) fn split(mut words: Vec<String>) -> (PathBuf, Vec<String>) {
-        let named = words
-            .first()
-            .is_some_and(|w| Path::new(w).extension().is_some_and(|e| e == "toml"));
-        let file = if named {
-            words.remove(0)
-        } else {
-            DEFAULT_PIPELINE.to_owned()
-        };
+        let named =
+            words.first().is_some_and(|w| Path::new(w).extension().is_some_and(|e| e == "toml"));
+        let file = if named { words.remove(0) } else { DEFAULT_PIPELINE.to_owned() };
         (PathBuf::from(file), words)
     }
 
@@ -136,11 +129,7 @@ impl PipelineArgs {
         let variant = self.variant.iter().flat_map(|name| ["--variant", name]);
         let set = self.set.iter().flat_map(|pair| ["--set", pair]);
         command_line(
-            ["maveric", "run"]
-                .into_iter()
-                .chain(file.as_deref())
-                .chain(variant)
-                .chain(set),
+            ["maveric", "run"].into_iter().chain(file.as_deref()).chain(variant).chain(set),
         )
     }
 }
@@ -169,9 +158,7 @@ fn root(file: &Path) -> Result<PathBuf, Failure> {
     let doing = "could not find the project's folder";
     let absolute = std::path::absolute(file).map_err(|e| Failure::io(doing, e))?;
     let absolute = absolute.parent().unwrap_or(&absolute);
-    let above = absolute
-        .parent()
-        .filter(|_| absolute.ends_with("pipelines"));
+    let above = absolute.parent().filter(|_| absolute.ends_with("pipelines"));
     above
         .map(Path::to_owned)
         .map_or_else(std::env::current_dir, Ok)
@@ -213,18 +200,14 @@ pub(crate) fn place(file: &Path) -> Result<Place, Failure> {
 fn program(call: &Invocation, style: Option<&FigureStyle>) -> Program {
     let mut leading = call.leading.clone();
     if let Some(style) = style {
-        leading.extend([
-            "--style".to_owned(),
-            style.file.to_slash_lossy().into_owned(),
-        ]);
+        leading.extend(["--style".to_owned(), style.file.to_slash_lossy().into_owned()]);
     }
     Program {
         name: "maveric".to_owned(),
         path: call.program.clone(),
         leading,
-        versions: style.map_or_else(stages::versions, |style| {
-            stages::versions_in_style(&style.hash)
-        }),
+        versions: style
+            .map_or_else(stages::versions, |style| stages::versions_in_style(&style.hash)),
     }
 }
 
@@ -242,10 +225,7 @@ mod tests {
         let plain = program(&call, None);
         assert_eq!(plain.leading, ["-m", "maveric"]);
         assert_eq!(plain.versions, stages::versions());
-        let style = FigureStyle {
-            file: "/study/s.toml".into(),
-            hash: "0123456789".to_owned(),
-        };
+        let style = FigureStyle { file: "/study/s.toml".into(), hash: "0123456789".to_owned() };
         let styled = program(&call, Some(&style));
         let words = ["-m", "maveric", "--style", "/study/s.toml"];
         assert_eq!(styled.leading, words);

@@ -6,10 +6,7 @@ use path_slash::PathExt as _;
 use std::path::{Path, PathBuf};
 
 /// This program, for pipelines whose stages call it.
-pub(crate) const COMMANDS: Commands = Commands {
-    program: "maveric",
-    files,
-};
+pub(crate) const COMMANDS: Commands = Commands { program: "maveric", files };
 
 fn files(root: &Path, words: &[String]) -> Result<Option<CommandFiles>, String> {
     let args = match parsed(words.iter().map(String::as_str)) {

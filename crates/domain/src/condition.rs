@@ -36,9 +36,7 @@ impl ConditionId {
             id[..text.len()].copy_from_slice(text.as_bytes());
             Ok(Self(id))
         } else {
-            Err(DomainError::BadCondition {
-                found: text.to_owned(),
-            })
+            Err(DomainError::BadCondition { found: text.to_owned() })
         }
     }
 

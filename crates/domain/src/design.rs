@@ -231,10 +231,7 @@ impl Design {
         let outcome = |o: &Outcome| matches!(&o.quantity, Quantity::Measure(id) if id == measure);
         self.outcomes.iter().any(outcome)
             || self.hypotheses.iter().any(|h| h.outcome == measure)
-            || self
-                .conditions
-                .iter()
-                .any(|c| c.expected.contains_key(measure))
+            || self.conditions.iter().any(|c| c.expected.contains_key(measure))
     }
 
     /// What is tested, in the order of the page; empty where the file leaves it to what is there: all objective measures,
@@ -292,26 +289,15 @@ impl Design {
     /// What pages call a factor or a covariate.
     pub fn factor_label(&self, name: &str) -> String {
         let factor = self.factor(name).and_then(|f| f.label.as_ref());
-        let covariate = || {
-            self.covariates
-                .iter()
-                .find(|c| c.column == name)?
-                .label
-                .as_ref()
-        };
-        factor
-            .or_else(covariate)
-            .map_or_else(|| name.to_owned(), Clone::clone)
+        let covariate = || self.covariates.iter().find(|c| c.column == name)?.label.as_ref();
+        factor.or_else(covariate).map_or_else(|| name.to_owned(), Clone::clone)
     }
 
     /// What pages call a level of a factor.
     pub fn level_label(&self, factor: &str, level: &str) -> String {
         let given = self.factor(factor).and_then(|f| f.levels.get(level));
         let condition = || Some(self.label(level.parse().ok().filter(|_| factor == CONDITION)?));
-        given
-            .cloned()
-            .or_else(condition)
-            .unwrap_or_else(|| level.to_owned())
+        given.cloned().or_else(condition).unwrap_or_else(|| level.to_owned())
     }
 
     fn factor(&self, name: &str) -> Option<&Factor> {
@@ -405,10 +391,7 @@ impl Design {
     /// Every drive or ride of a person under a label, as [`Design::occasions`] has them.
     pub fn rides(&self, condition: ConditionId) -> impl Iterator<Item = Ride> + use<> {
         let occasions = self.occasions(condition).into_iter();
-        occasions.map(move |occasion| Ride {
-            condition,
-            occasion,
-        })
+        occasions.map(move |occasion| Ride { condition, occasion })
     }
 
     /// What is left out before anything is computed.
@@ -444,13 +427,9 @@ impl Design {
         let condition = self.condition(id).map(|c| &c.label);
         let baseline = self.baseline.iter().filter(|b| b.id == id);
         let role = self.roles.iter().filter(|r| r.id == id);
-        let mut named = condition
-            .into_iter()
-            .chain(baseline.map(|b| &b.label))
-            .chain(role.map(|r| &r.label));
-        named
-            .next()
-            .map_or_else(|| id.to_string(), ToString::to_string)
+        let mut named =
+            condition.into_iter().chain(baseline.map(|b| &b.label)).chain(role.map(|r| &r.label));
+        named.next().map_or_else(|| id.to_string(), ToString::to_string)
     }
 
     /// Whether a car that was learned drives in some condition.

@@ -104,11 +104,7 @@ impl Rows {
             let low = (row.saturating_sub(half)..=row).find(same).unwrap_or(row);
             let high = (row..=(row + half).min(n - 1)).rfind(same).unwrap_or(row);
             let span = self.time_s[high] - self.time_s[low];
-            if span > 0.0 {
-                (column[high] - column[low]) / span
-            } else {
-                0.0
-            }
+            if span > 0.0 { (column[high] - column[low]) / span } else { 0.0 }
         };
         (0..n).map(slope).collect()
     }
@@ -172,10 +168,8 @@ impl Drive {
             rows.lead_dy_m.push(reference.dy_m);
             rows.lead_speed_mps.push(reference.speed_mps);
             let lane = rows.lane[row];
-            rows.gap_behind_left_m
-                .push(gap_behind(&scene, &road, lane.checked_add(1)));
-            rows.gap_behind_right_m
-                .push(gap_behind(&scene, &road, lane.checked_sub(1)));
+            rows.gap_behind_left_m.push(gap_behind(&scene, &road, lane.checked_add(1)));
+            rows.gap_behind_right_m.push(gap_behind(&scene, &road, lane.checked_sub(1)));
         }
         lane_change::label(&mut rows, &road, recording.rate_hz());
         following::label(&mut rows, &road);
@@ -217,23 +211,13 @@ impl Drive {
             finite(column, values)?;
         }
         positive("rate_hz", rate_hz)?;
-        Ok(Self {
-            meta,
-            road,
-            rate_hz,
-            rows,
-            lateral: true,
-            sees: Sees::ALL,
-        })
+        Ok(Self { meta, road, rate_hz, rows, lateral: true, sees: Sees::ALL })
     }
 
     /// The same, made from a recording [without lateral positions](Recording::without_lateral).
     #[must_use]
     pub fn without_lateral(self) -> Self {
-        Self {
-            lateral: false,
-            ..self
-        }
+        Self { lateral: false, ..self }
     }
 
     /// Whether it is known who is beside ego and who ahead: without, nothing can be said of passing.
@@ -284,11 +268,7 @@ impl Drive {
 
     /// The lane changes, in order; those the drive's end cut short say so. None where the rig does not see lanes.
     pub fn lane_changes(&self) -> Vec<LaneChange> {
-        if self.sees.lanes {
-            lane_change::events(&self.rows)
-        } else {
-            Vec::new()
-        }
+        if self.sees.lanes { lane_change::events(&self.rows) } else { Vec::new() }
     }
 
     /// Whether the reference vehicle is ahead in ego's own lane at `row`.
@@ -324,10 +304,6 @@ impl Drive {
     pub fn slice(&self, start: usize, end: usize) -> Result<Self, DomainError> {
         let end = end.min(self.len());
         at_least("drive", end.saturating_sub(start), 2)?;
-        Ok(Self {
-            meta: self.meta.clone(),
-            rows: self.rows.slice(start..end),
-            ..*self
-        })
+        Ok(Self { meta: self.meta.clone(), rows: self.rows.slice(start..end), ..*self })
     }
 }

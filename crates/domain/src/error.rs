@@ -129,11 +129,7 @@ pub(crate) fn at_least(
     expected: usize,
 ) -> Result<(), DomainError> {
     if found < expected {
-        return Err(DomainError::TooShort {
-            what,
-            found,
-            expected,
-        });
+        return Err(DomainError::TooShort { what, found, expected });
     }
     Ok(())
 }
@@ -145,11 +141,7 @@ pub(crate) fn as_long(
     expected: usize,
 ) -> Result<(), DomainError> {
     if found != expected {
-        return Err(DomainError::LengthMismatch {
-            column,
-            found,
-            expected,
-        });
+        return Err(DomainError::LengthMismatch { column, found, expected });
     }
     Ok(())
 }
@@ -157,11 +149,7 @@ pub(crate) fn as_long(
 /// Refuses a column with a number that is NaN or infinite.
 pub(crate) fn finite(column: &'static str, values: &[f64]) -> Result<(), DomainError> {
     match values.iter().position(|v| !v.is_finite()) {
-        Some(row) => Err(DomainError::NotFinite {
-            column,
-            row,
-            found: values[row],
-        }),
+        Some(row) => Err(DomainError::NotFinite { column, row, found: values[row] }),
         None => Ok(()),
     }
 }
@@ -171,9 +159,5 @@ pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), DomainError
     if found.is_finite() && found > 0.0 {
         return Ok(());
     }
-    Err(DomainError::OutOfRange {
-        name,
-        found,
-        expected: "a finite number above 0",
-    })
+    Err(DomainError::OutOfRange { name, found, expected: "a finite number above 0" })
 }

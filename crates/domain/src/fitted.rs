@@ -152,11 +152,7 @@ mod tests {
 
     #[test]
     fn a_reading_that_the_scale_does_not_have_is_no_score_and_why_a_drive_is_beyond() {
-        let pass = || {
-            Some(BeyondWhy::Style {
-                habit: "pass".to_owned(),
-            })
-        };
+        let pass = || Some(BeyondWhy::Style { habit: "pass".to_owned() });
         let of_reading = |reading, why| BeyondWhy::of_reading(ScoreRange::ADB, reading, why);
         let scale = (None, Some(BeyondWhy::Scale));
         assert_eq!(of_reading(Some(-1.3), None), scale);

@@ -16,11 +16,7 @@ pub(crate) fn is_file_name(text: &str, longest: usize) -> bool {
 }
 
 fn checked(kind: &'static str, text: String) -> Result<String, DomainError> {
-    if is_file_name(&text, 64) {
-        Ok(text)
-    } else {
-        Err(DomainError::BadId { kind, found: text })
-    }
+    if is_file_name(&text, 64) { Ok(text) } else { Err(DomainError::BadId { kind, found: text }) }
 }
 
 macro_rules! id {

@@ -39,19 +39,14 @@ pub struct MeasuredDrive {
 pub fn spread(drives: &[&MeasureValues]) -> BTreeMap<String, f64> {
     let names: BTreeSet<&String> = drives.iter().flat_map(|d| d.keys()).collect();
     let sd = |name: &String| {
-        let values: Vec<f64> = drives
-            .iter()
-            .filter_map(|d| d.get(name).copied().flatten())
-            .collect();
+        let values: Vec<f64> =
+            drives.iter().filter_map(|d| d.get(name).copied().flatten()).collect();
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
         Some((squares / (n - 1.0)).sqrt()).filter(|sd| sd.is_finite() && *sd > 0.0)
     };
-    names
-        .into_iter()
-        .filter_map(|name| Some((name.clone(), sd(name)?)))
-        .collect()
+    names.into_iter().filter_map(|name| Some((name.clone(), sd(name)?))).collect()
 }
 
 #[cfg(test)]

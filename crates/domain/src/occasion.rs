@@ -34,17 +34,11 @@ pub struct Occasion {
 
 impl Occasion {
     /// The only one where a study has no others.
-    pub const FIRST: Self = Self {
-        session: first(),
-        trial: first(),
-    };
+    pub const FIRST: Self = Self { session: first(), trial: first() };
 
     /// A session and a trial, both from 1; none for a 0.
     pub fn new(session: u32, trial: u32) -> Option<Self> {
-        Some(Self {
-            session: NonZeroU32::new(session)?,
-            trial: NonZeroU32::new(trial)?,
-        })
+        Some(Self { session: NonZeroU32::new(session)?, trial: NonZeroU32::new(trial)? })
     }
 }
 
@@ -73,10 +67,7 @@ pub struct Ride {
 
 impl From<ConditionId> for Ride {
     fn from(condition: ConditionId) -> Self {
-        Self {
-            condition,
-            occasion: Occasion::FIRST,
-        }
+        Self { condition, occasion: Occasion::FIRST }
     }
 }
 
@@ -98,14 +89,9 @@ impl FromStr for Ride {
             let session = session.strip_prefix('s')?;
             Occasion::new(session.parse().ok()?, trial.parse().ok()?)
         };
-        let repeated = text
-            .split_once(':')
-            .and_then(|(id, rest)| Some((id, behind(rest)?)));
+        let repeated = text.split_once(':').and_then(|(id, rest)| Some((id, behind(rest)?)));
         let (id, occasion) = repeated.unwrap_or((text, Occasion::FIRST));
-        Ok(Self {
-            condition: id.parse()?,
-            occasion,
-        })
+        Ok(Self { condition: id.parse()?, occasion })
     }
 }
 
@@ -131,10 +117,7 @@ impl DriveId {
         participant: &ParticipantId,
         ride: impl Into<Ride>,
     ) -> Result<Self, DomainError> {
-        let Ride {
-            condition,
-            occasion,
-        } = ride.into();
+        let Ride { condition, occasion } = ride.into();
         let Occasion { session, trial } = occasion;
         Self::new(match occasion {
             Occasion::FIRST => format!("{participant}-{condition}"),
@@ -149,17 +132,12 @@ mod tests {
 
     #[test]
     fn a_ride_survives_its_text_and_the_first_is_its_condition_alone() {
-        let again = Ride {
-            condition: "calm".parse().unwrap(),
-            occasion: Occasion::new(2, 3).unwrap(),
-        };
+        let again =
+            Ride { condition: "calm".parse().unwrap(), occasion: Occasion::new(2, 3).unwrap() };
         assert_eq!(again.to_string(), "calm:s2:t3");
         assert_eq!("calm:s2:t3".parse::<Ride>().unwrap(), again);
         let first: Ride = "calm".parse().unwrap();
-        assert_eq!(
-            (first.to_string().as_str(), first.occasion),
-            ("calm", Occasion::FIRST)
-        );
+        assert_eq!((first.to_string().as_str(), first.occasion), ("calm", Occasion::FIRST));
         // An id of letters that look like a session is an id.
         assert_eq!("a_s2_t1".parse::<Ride>().unwrap().occasion, Occasion::FIRST);
         for text in ["calm:s0:t1", "calm:s2", "calm:s2:t", ":s1:t2", "calm:2:1"] {

@@ -55,12 +55,7 @@ pub struct PressMoment {
 
 /// What can come before a press: id, name for people, unit.
 pub const PRECURSORS: [Precursor; 7] = [
-    Precursor {
-        id: "least_gap_m",
-        title: "Smallest gap",
-        unit: "m",
-        value: |m| m.least_gap_m,
-    },
+    Precursor { id: "least_gap_m", title: "Smallest gap", unit: "m", value: |m| m.least_gap_m },
     Precursor {
         id: "inverse_time_to_collision_per_s",
         title: "Largest inverse time to collision",
@@ -73,30 +68,15 @@ pub const PRECURSORS: [Precursor; 7] = [
         unit: "m/s²",
         value: |m| m.braking_mps2,
     },
-    Precursor {
-        id: "jerk_mps3",
-        title: "Largest jerk",
-        unit: "m/s³",
-        value: |m| m.jerk_mps3,
-    },
+    Precursor { id: "jerk_mps3", title: "Largest jerk", unit: "m/s³", value: |m| m.jerk_mps3 },
     Precursor {
         id: "lateral_acceleration_mps2",
         title: "Largest lateral acceleration",
         unit: "m/s²",
         value: |m| m.lateral_acceleration_mps2,
     },
-    Precursor {
-        id: "lane_change",
-        title: "A lane change",
-        unit: "",
-        value: |m| m.lane_change,
-    },
-    Precursor {
-        id: "cut_in",
-        title: "A vehicle cuts in",
-        unit: "",
-        value: |m| m.cut_in,
-    },
+    Precursor { id: "lane_change", title: "A lane change", unit: "", value: |m| m.lane_change },
+    Precursor { id: "cut_in", title: "A vehicle cuts in", unit: "", value: |m| m.cut_in },
 ];
 
 /// Something that a ride can be like before a press.

@@ -40,14 +40,7 @@ pub struct ObjectTrack {
 impl ObjectTrack {
     /// A track that begins at `first_row`, still without a row.
     pub fn new(id: VehicleId, length_m: f64, first_row: usize) -> Self {
-        Self {
-            id,
-            length_m,
-            first_row,
-            x_m: Vec::new(),
-            y_m: Vec::new(),
-            speed_mps: Vec::new(),
-        }
+        Self { id, length_m, first_row, x_m: Vec::new(), y_m: Vec::new(), speed_mps: Vec::new() }
     }
 
     /// Adds the next row.
@@ -80,11 +73,7 @@ fn not_negative(name: &'static str, found: f64) -> Result<(), DomainError> {
     if found.is_finite() && found >= 0.0 {
         Ok(())
     } else {
-        Err(DomainError::OutOfRange {
-            name,
-            found,
-            expected: "a finite number of 0 or more",
-        })
+        Err(DomainError::OutOfRange { name, found, expected: "a finite number of 0 or more" })
     }
 }
 
@@ -138,25 +127,13 @@ impl Recording {
                 });
             }
         }
-        Ok(Self {
-            road,
-            rate_hz,
-            time_s,
-            segment,
-            ego,
-            others,
-            lateral: true,
-            sees: Sees::ALL,
-        })
+        Ok(Self { road, rate_hz, time_s, segment, ego, others, lateral: true, sees: Sees::ALL })
     }
 
     /// The same, where nobody recorded who was how far to the side: every lateral position stands for none.
     #[must_use]
     pub fn without_lateral(self) -> Self {
-        Self {
-            lateral: false,
-            ..self
-        }
+        Self { lateral: false, ..self }
     }
 
     /// Whether lateral positions were recorded; else whoever is passed cannot be told from who is ahead in ego's lane.

@@ -21,11 +21,7 @@ pub struct Road {
 
 impl Road {
     /// The paper's road: two lanes of 12 ft (3.66 m), posted 55 mph (24.5872 m/s).
-    pub const PAPER: Self = Self {
-        lanes: 2,
-        lane_width_m: 3.66,
-        posted_speed_mps: 24.5872,
-    };
+    pub const PAPER: Self = Self { lanes: 2, lane_width_m: 3.66, posted_speed_mps: 24.5872 };
 
     /// The lane in which a vehicle at lateral position `y_m` drives; none where its centre is half a lane or more beside the
     /// road: it is parked there, comes towards ego, or drives on another road. The centre of a lane that the road does not have is in none.
@@ -152,23 +148,12 @@ mod tests {
 
     #[test]
     fn distance_falls_through_zero_while_passing() {
-        let ego = EgoState {
-            x_m: 0.0,
-            y_m: 0.0,
-            speed_mps: 30.0,
-            length_m: 4.0,
-        };
+        let ego = EgoState { x_m: 0.0, y_m: 0.0, speed_mps: 30.0, length_m: 4.0 };
         let at = |x_m| {
             let id = VehicleId(1);
             bumper_distance_m(
                 &ego,
-                &VehicleState {
-                    id,
-                    x_m,
-                    y_m: 0.0,
-                    speed_mps: 20.0,
-                    length_m: 6.0,
-                },
+                &VehicleState { id, x_m, y_m: 0.0, speed_mps: 20.0, length_m: 6.0 },
             )
         };
         assert!((at(25.0) - 20.0).abs() < 1e-12);
@@ -209,16 +194,8 @@ mod tests {
     fn beside_an_only_lane_whoever_is_within_half_a_lane_of_ego_is_in_its_lane() {
         let width = Road::PAPER.lane_width_m;
         let together = |lanes: u8, ego_y_m: f64, y_m: f64| {
-            let ego = EgoState {
-                x_m: 0.0,
-                y_m: ego_y_m,
-                speed_mps: 30.0,
-                length_m: 4.0,
-            };
-            let road = Road {
-                lanes,
-                ..Road::PAPER
-            };
+            let ego = EgoState { x_m: 0.0, y_m: ego_y_m, speed_mps: 30.0, length_m: 4.0 };
+            let road = Road { lanes, ..Road::PAPER };
             road.is_in_lane_of(&ego, y_m)
         };
         for beside in [-width, width, 2.0 * width] {

@@ -14,10 +14,7 @@ use std::{fmt, str::FromStr};
 /// assert_eq!(camera.to_string(), "ahead lanes");
 /// # Ok::<(), maveric_domain::DomainError>(())
 /// ```
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is seen or not, whatever the others are"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "each is seen or not, whatever the others are")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sees {
     /// Who is ahead in ego's lane.
@@ -32,25 +29,12 @@ pub struct Sees {
 
 impl Sees {
     /// Everything, as a simulation does and lists of all vehicles around.
-    pub const ALL: Self = Self {
-        ahead: true,
-        beside: true,
-        behind: true,
-        lanes: true,
-    };
+    pub const ALL: Self = Self { ahead: true, beside: true, behind: true, lanes: true };
     /// Nothing but ego itself.
-    pub const NOTHING: Self = Self {
-        ahead: false,
-        beside: false,
-        behind: false,
-        lanes: false,
-    };
+    pub const NOTHING: Self = Self { ahead: false, beside: false, behind: false, lanes: false };
 
     /// Who is ahead, and nothing else: a pair of cars.
-    pub const LEAD: Self = Self {
-        ahead: true,
-        ..Self::NOTHING
-    };
+    pub const LEAD: Self = Self { ahead: true, ..Self::NOTHING };
 
     /// Each thing that may be seen with its word, in the order of the words.
     fn words(self) -> [(&'static str, bool); 4] {
@@ -79,11 +63,7 @@ impl fmt::Display for Sees {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let seen = self.words().into_iter().filter(|(_, seen)| *seen);
         let words: Vec<&str> = seen.map(|(word, _)| word).collect();
-        if words.is_empty() {
-            f.write_str("nothing")
-        } else {
-            f.write_str(&words.join(" "))
-        }
+        if words.is_empty() { f.write_str("nothing") } else { f.write_str(&words.join(" ")) }
     }
 }
 

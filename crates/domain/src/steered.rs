@@ -103,13 +103,7 @@ impl ConditionRow {
         let condition = self.condition;
         match &self.sweep {
             Some(point) => Ok(point.drive.clone()),
-            None => DriveId::in_condition(
-                &self.participant,
-                Ride {
-                    condition,
-                    occasion,
-                },
-            ),
+            None => DriveId::in_condition(&self.participant, Ride { condition, occasion }),
         }
     }
 }

@@ -20,10 +20,6 @@ pub struct LatentTraits {
 impl LatentTraits {
     /// A person of the population, by draws from N(0, 1).
     pub fn draw(mut normal: impl FnMut() -> f64) -> Self {
-        Self {
-            aggressiveness: normal(),
-            spacing: normal(),
-            pace: normal(),
-        }
+        Self { aggressiveness: normal(), spacing: normal(), pace: normal() }
     }
 }

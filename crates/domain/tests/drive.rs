@@ -48,10 +48,7 @@ fn drive(
 
 /// Three lanes, ego in the middle at 10 m/s for four rows half a second apart.
 fn by_hand() -> Drive {
-    let road = Road {
-        lanes: 3,
-        ..Road::PAPER
-    };
+    let road = Road { lanes: 3, ..Road::PAPER };
     let ego = ego(&[100.0, 105.0, 110.0, 115.0], &[WIDTH_M; 4], 10.0);
     let others = vec![
         // Ahead in ego's lane from the second row on, 20 m bumper to bumper, as fast as ego.
@@ -104,10 +101,7 @@ fn a_planner_would_have_been_told_what_the_rows_hold() {
     let third = drive.situation(2).unwrap();
     assert_eq!((third.time_s, third.ego_speed_mps), (1.0, 10.0));
     assert_eq!(third.reference.vehicle, Some(VehicleId(7)));
-    assert_eq!(
-        (third.reference.dx_m, third.reference.speed_mps),
-        (20.0, 10.4)
-    );
+    assert_eq!((third.reference.dx_m, third.reference.speed_mps), (20.0, 10.4));
     assert!(drive.situation(4).is_none());
 }
 
@@ -115,17 +109,8 @@ fn a_planner_would_have_been_told_what_the_rows_hold() {
 fn on_the_outermost_lanes_there_is_no_further_lane_to_look_into() {
     let road = Road::PAPER;
     for (y, left, right) in [(0.0, Some(25.0), None), (WIDTH_M, None, Some(25.0))] {
-        let others = vec![
-            other(1, 0, &[70.0, 70.0], 0, 9.0),
-            other(2, 0, &[70.0, 70.0], 1, 9.0),
-        ];
-        let drive = drive(
-            road,
-            &[0.0, 0.5],
-            &[0, 0],
-            ego(&[100.0, 100.0], &[y, y], 10.0),
-            others,
-        );
+        let others = vec![other(1, 0, &[70.0, 70.0], 0, 9.0), other(2, 0, &[70.0, 70.0], 1, 9.0)];
+        let drive = drive(road, &[0.0, 0.5], &[0, 0], ego(&[100.0, 100.0], &[y, y], 10.0), others);
         assert_eq!(drive.rows().gap_behind_left_m, [left; 2], "ego at {y} m");
         assert_eq!(drive.rows().gap_behind_right_m, [right; 2], "ego at {y} m");
     }
@@ -137,15 +122,9 @@ fn after_a_hole_the_vehicle_that_was_being_passed_is_forgotten() {
     let lead = |segment: &[u32]| {
         let ego = ego(&[0.0, 5.0, 10.0], &[0.0, WIDTH_M, WIDTH_M], 10.0);
         // One ahead in the slow lane, and one in the passing lane that is faster than ego.
-        let others = vec![
-            other(1, 0, &[40.0; 3], 0, 5.0),
-            other(2, 0, &[60.0; 3], 1, 20.0),
-        ];
+        let others = vec![other(1, 0, &[40.0; 3], 0, 5.0), other(2, 0, &[60.0; 3], 1, 20.0)];
         let times = [0.0, 0.5, 1.0];
-        drive(Road::PAPER, &times, segment, ego, others)
-            .rows()
-            .lead_id
-            .clone()
+        drive(Road::PAPER, &times, segment, ego, others).rows().lead_id.clone()
     };
     assert_eq!(lead(&[0, 0, 0]), [Some(1), Some(1), Some(1)]);
     assert_eq!(lead(&[0, 1, 1]), [Some(1), Some(2), Some(2)]);
@@ -161,18 +140,10 @@ fn a_slice_is_the_same_rows_and_needs_two() {
     assert_eq!(part.rows().gap_behind_left_m, [Some(50.0), Some(55.0)]);
     assert_eq!(part.rows().gap_behind_right_m, [Some(200.0), Some(0.0)]);
     assert_eq!(whole.slice(0, 4).unwrap(), whole);
-    assert_eq!(
-        whole.slice(2, 99).unwrap().len(),
-        2,
-        "past the end is the end"
-    );
+    assert_eq!(whole.slice(2, 99).unwrap().len(), 2, "past the end is the end");
     for (start, end, found) in [(3, 4, 1), (3, 99, 1), (2, 1, 0), (9, 99, 0)] {
         let refused = whole.slice(start, end).unwrap_err();
-        let expected = DomainError::TooShort {
-            what: "drive",
-            found,
-            expected: 2,
-        };
+        let expected = DomainError::TooShort { what: "drive", found, expected: 2 };
         assert_eq!(refused, expected, "{start}..{end}");
     }
 }
@@ -184,16 +155,11 @@ fn following_needs_all_of_its_conditions() {
         let x = 105.0 + gap;
         let others = vec![other(1, 0, &[x, x], 0, speed)];
         let ego = ego(&[100.0, 100.0], &[0.0, 0.0], 10.0);
-        drive(Road::PAPER, &[0.0, 0.5], &[0, 0], ego, others)
-            .rows()
-            .following[0]
+        drive(Road::PAPER, &[0.0, 0.5], &[0, 0], ego, others).rows().following[0]
     };
     assert!(follows(29.9, 10.9) && follows(29.9, 9.1));
     assert!(!follows(30.0, 10.0), "3 s is too far");
-    assert!(
-        !follows(29.9, 11.0) && !follows(29.9, 9.0),
-        "1 m/s is closing in or falling back"
-    );
+    assert!(!follows(29.9, 11.0) && !follows(29.9, 9.0), "1 m/s is closing in or falling back");
     assert!(!follows(0.0, 10.0), "overlapping is not following");
 }
 
@@ -207,14 +173,8 @@ fn change(to_the_left: bool) -> Drive {
     let y: Vec<f64> = times.iter().map(|&t| lateral(t)).collect();
     let x: Vec<f64> = times.iter().map(|&t| 100.0 + 10.0 * t).collect();
     let behind = |gap: f64| x.iter().map(|x| x - 5.0 - gap).collect::<Vec<_>>();
-    let road = Road {
-        lanes: 3,
-        ..Road::PAPER
-    };
-    let others = vec![
-        other(1, 0, &behind(20.0), 2, 10.0),
-        other(2, 0, &behind(30.0), 0, 10.0),
-    ];
+    let road = Road { lanes: 3, ..Road::PAPER };
+    let others = vec![other(1, 0, &behind(20.0), 2, 10.0), other(2, 0, &behind(30.0), 0, 10.0)];
     let recording =
         Recording::new(road, 10.0, times, vec![0; 60], ego(&x, &y, 10.0), others).unwrap();
     Drive::from_recording(meta(), &recording).unwrap()
@@ -222,10 +182,9 @@ fn change(to_the_left: bool) -> Drive {
 
 #[test]
 fn a_change_goes_the_way_it_goes_and_has_the_gap_of_the_lane_entered() {
-    for (left, direction, gap, sign) in [
-        (true, Direction::Left, 20.0, 1),
-        (false, Direction::Right, 30.0, -1),
-    ] {
+    for (left, direction, gap, sign) in
+        [(true, Direction::Left, 20.0, 1), (false, Direction::Right, 30.0, -1)]
+    {
         let drive = change(left);
         let [change] = drive.lane_changes()[..] else {
             unreachable!("one change: {:?}", drive.lane_changes());
@@ -233,27 +192,14 @@ fn a_change_goes_the_way_it_goes_and_has_the_gap_of_the_lane_entered() {
         assert_eq!((change.direction, change.completed), (direction, true));
         assert_eq!(change.gap_behind_m, Some(gap));
         let rows = drive.rows();
-        assert!(
-            rows.changing[change.start..change.end]
-                .iter()
-                .all(|&c| c == sign)
-        );
-        assert_eq!(
-            rows.changing.iter().filter(|&&c| c != 0).count(),
-            change.end - change.start
-        );
+        assert!(rows.changing[change.start..change.end].iter().all(|&c| c == sign));
+        assert_eq!(rows.changing.iter().filter(|&&c| c != 0).count(), change.end - change.start);
         assert!(rows.change_completes[change.end - 1]);
         // The lateral speed of 3.66 m in 2 s passes 0.15 m/s close to its ends.
-        assert!(
-            (19..=22).contains(&change.start) && (38..=41).contains(&change.end),
-            "{change:?}"
-        );
+        assert!((19..=22).contains(&change.start) && (38..=41).contains(&change.end), "{change:?}");
         // The label: the ten rows that end at the start.
         let labelled: Vec<usize> = (0..60).filter(|&r| rows.lane_change[r]).collect();
-        assert_eq!(
-            labelled,
-            (change.start - 9..=change.start).collect::<Vec<_>>()
-        );
+        assert_eq!(labelled, (change.start - 9..=change.start).collect::<Vec<_>>());
         assert!(!rows.following[change.start]);
     }
 }
@@ -263,13 +209,7 @@ type Parts = (Road, Vec<f64>, Vec<u32>, EgoTrack, Vec<ObjectTrack>);
 
 fn parts() -> Parts {
     let ego = ego(&[0.0, 5.0, 10.0], &[0.0; 3], 10.0);
-    (
-        Road::PAPER,
-        vec![0.0, 0.5, 1.0],
-        vec![0; 3],
-        ego,
-        vec![other(1, 1, &[40.0, 45.0], 0, 10.0)],
-    )
+    (Road::PAPER, vec![0.0, 0.5, 1.0], vec![0; 3], ego, vec![other(1, 1, &[40.0, 45.0], 0, 10.0)])
 }
 
 #[test]
@@ -282,20 +222,11 @@ fn a_recording_gives_back_what_it_took() {
     assert_eq!(recording.time_s(), [0.0, 0.5, 1.0]);
     assert_eq!(recording.segment(), [0; 3]);
     assert_eq!(recording.others(), others);
-    assert!(
-        recording.scene(0).unwrap().vehicles.is_empty(),
-        "its track starts at row 1"
-    );
+    assert!(recording.scene(0).unwrap().vehicles.is_empty(), "its track starts at row 1");
     let scene = recording.scene(2).unwrap();
-    assert_eq!(
-        (scene.time_s, scene.ego.x_m, scene.ego.length_m),
-        (1.0, 10.0, 5.0)
-    );
+    assert_eq!((scene.time_s, scene.ego.x_m, scene.ego.length_m), (1.0, 10.0, 5.0));
     let seen = &scene.vehicles[0];
-    assert_eq!(
-        (seen.id, seen.x_m, seen.speed_mps),
-        (VehicleId(1), 45.0, 10.0)
-    );
+    assert_eq!((seen.id, seen.x_m, seen.speed_mps), (VehicleId(1), 45.0, 10.0));
     assert!(recording.scene(3).is_none());
 }
 
@@ -335,46 +266,27 @@ fn a_recording_that_cannot_be_is_refused_by_name() {
     type Change = fn(&mut Parts);
     let cases: [(Change, &str); 12] = [
         (|p| p.0.lane_width_m = 0.0, "`lane_width_m` is 0"),
-        (
-            |p| p.0.posted_speed_mps = f64::NAN,
-            "`posted_speed_mps` is NaN",
-        ),
+        (|p| p.0.posted_speed_mps = f64::NAN, "`posted_speed_mps` is NaN"),
         (|p| p.0.lanes = 0, "`lanes` is 0"),
         (|p| p.1.truncate(1), "recording has 1 rows"),
         (|p| p.1[2] = f64::INFINITY, "column `time_s` row 2 is inf"),
         (|p| p.1[2] = 0.5, "`time_s` is 0.5, expected later"),
         (|p| p.2.push(0), "column `segment` has 4 rows, expected 3"),
-        (
-            |p| p.3.x_m.truncate(2),
-            "column `ego.x_m` has 2 rows, expected 3",
-        ),
+        (|p| p.3.x_m.truncate(2), "column `ego.x_m` has 2 rows, expected 3"),
         (|p| p.3.y_m[1] = f64::NAN, "column `ego.y_m` row 1 is NaN"),
-        (
-            |p| p.3.speed_mps.clear(),
-            "column `ego.speed_mps` has 0 rows",
-        ),
-        (
-            |p| p.4[0].first_row = 2,
-            "column `object.x_m` has 4 rows, expected 3",
-        ),
-        (
-            |p| p.4[0].speed_mps.push(1.0),
-            "column `object.speed_mps` has 3 rows, expected 2",
-        ),
+        (|p| p.3.speed_mps.clear(), "column `ego.speed_mps` has 0 rows"),
+        (|p| p.4[0].first_row = 2, "column `object.x_m` has 4 rows, expected 3"),
+        (|p| p.4[0].speed_mps.push(1.0), "column `object.speed_mps` has 3 rows, expected 2"),
     ];
     for (change, said) in cases {
         let mut p = parts();
         change(&mut p);
-        let refused = Recording::new(p.0, 2.0, p.1, p.2, p.3, p.4)
-            .unwrap_err()
-            .to_string();
+        let refused = Recording::new(p.0, 2.0, p.1, p.2, p.3, p.4).unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}, expected {said}");
     }
     for rate in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let p = parts();
-        let refused = Recording::new(p.0, rate, p.1, p.2, p.3, p.4)
-            .unwrap_err()
-            .to_string();
+        let refused = Recording::new(p.0, rate, p.1, p.2, p.3, p.4).unwrap_err().to_string();
         assert!(refused.contains("`rate_hz`"), "{refused}");
     }
 }
@@ -418,9 +330,7 @@ fn rows_read_back_are_the_drive_again_and_impossible_ones_are_refused() {
     for (change, said) in cases {
         let mut rows = drive.rows().clone();
         change(&mut rows);
-        let refused = Drive::from_rows(meta(), *drive.road(), 2.0, rows)
-            .unwrap_err()
-            .to_string();
+        let refused = Drive::from_rows(meta(), *drive.road(), 2.0, rows).unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}, expected {said}");
     }
     for rate in [0.0, f64::NAN, f64::INFINITY] {
@@ -436,10 +346,7 @@ fn words_for_who_drove_read_back() {
         (DrivenBy::Synthetic, "synthetic"),
         (DrivenBy::Automated, "automated"),
     ] {
-        assert_eq!(
-            (who.as_str(), word.parse::<DrivenBy>().unwrap()),
-            (word, who)
-        );
+        assert_eq!((who.as_str(), word.parse::<DrivenBy>().unwrap()), (word, who));
     }
     let refused = "robot".parse::<DrivenBy>().unwrap_err().to_string();
     assert!(refused.contains("robot") && refused.contains("human, scripted, synthetic, automated"));
@@ -480,10 +387,7 @@ fn who_is_beside_the_road_is_in_none_of_its_lanes() {
 #[test]
 fn who_follows_is_in_the_lane_of_the_road_that_it_drives_on() {
     let following = |lane_width_m: f64, aside_m: f64| {
-        let road = Road {
-            lane_width_m,
-            ..Road::PAPER
-        };
+        let road = Road { lane_width_m, ..Road::PAPER };
         let ahead = ObjectTrack {
             y_m: vec![0.5 * aside_m; 4],
             ..other(7, 0, &[130.0, 135.0, 140.0, 145.0], 0, 10.0)
@@ -493,12 +397,9 @@ fn who_follows_is_in_the_lane_of_the_road_that_it_drives_on() {
         assert_eq!(drive.rows().lead_id, [Some(7); 4]);
         drive.rows().following.clone()
     };
-    for (lane_width_m, aside_m, follows) in [
-        (3.66, 1.82, true),
-        (3.66, 1.84, false),
-        (2.8, 1.6, false),
-        (5.0, 2.2, true),
-    ] {
+    for (lane_width_m, aside_m, follows) in
+        [(3.66, 1.82, true), (3.66, 1.84, false), (2.8, 1.6, false), (5.0, 2.2, true)]
+    {
         let found = following(lane_width_m, aside_m);
         assert_eq!(found, [follows; 4], "{aside_m} m aside in {lane_width_m} m");
     }

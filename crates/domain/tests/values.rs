@@ -46,15 +46,8 @@ fn an_embedding_has_coordinates_and_all_are_finite() {
     let w = Embedding::new(vec![0.5, -1.0]).unwrap();
     assert_eq!((w.size(), w.coordinates()), (2, &[0.5, -1.0][..]));
     assert_eq!(Vec::from(w), [0.5, -1.0]);
-    assert!(
-        Embedding::new(vec![])
-            .unwrap_err()
-            .to_string()
-            .contains("embedding has 0")
-    );
-    let refused = Embedding::try_from(vec![1.0, f64::NAN])
-        .unwrap_err()
-        .to_string();
+    assert!(Embedding::new(vec![]).unwrap_err().to_string().contains("embedding has 0"));
+    let refused = Embedding::try_from(vec![1.0, f64::NAN]).unwrap_err().to_string();
     assert!(refused.contains("`embedding` row 1 is NaN"), "{refused}");
 }
 
@@ -80,19 +73,9 @@ fn a_conditions_drive_is_called_after_person_and_condition_and_a_sweeps_by_itsel
 
 #[test]
 fn lanes_have_centres_and_the_nearest_one_counts() {
-    let road = Road {
-        lanes: 3,
-        ..Road::PAPER
-    };
+    let road = Road { lanes: 3, ..Road::PAPER };
     assert!((road.lane_centre_m(2) - 7.32).abs() < 1e-12);
-    for (y, lane) in [
-        (-50.0, 0),
-        (1.82, 0),
-        (1.84, 1),
-        (5.4, 1),
-        (5.6, 2),
-        (1e9, 2),
-    ] {
+    for (y, lane) in [(-50.0, 0), (1.82, 0), (1.84, 1), (5.4, 1), (5.6, 2), (1e9, 2)] {
         assert_eq!(road.nearest_lane(y), lane, "at {y} m");
     }
 }

@@ -69,11 +69,7 @@ pub(crate) fn products(stretch: &Stretch<'_>, laws: &[Idm]) -> [Lanes; LANES] {
     for rows in blocks(stretch) {
         let errors = &mut room[..rows.len()];
         drive(stretch, rows, &mut cars, errors);
-        Arch::new().dispatch(AddProducts {
-            errors,
-            laws: laws.len(),
-            sums: &mut sums,
-        });
+        Arch::new().dispatch(AddProducts { errors, laws: laws.len(), sums: &mut sums });
     }
     sums
 }
@@ -93,9 +89,7 @@ fn cars<'a>(stretch: &Stretch<'_>, laws: &'a [Idm]) -> Vec<Car<'a>> {
 /// The rows of a stretch after its first, block by block.
 fn blocks(stretch: &Stretch<'_>) -> impl Iterator<Item = Range<usize>> {
     let end = stretch.rows.end;
-    (stretch.rows.start + 1..end)
-        .step_by(BLOCK)
-        .map(move |start| start..(start + BLOCK).min(end))
+    (stretch.rows.start + 1..end).step_by(BLOCK).map(move |start| start..(start + BLOCK).min(end))
 }
 
 /// Drives up to [`LANES`] cars through some rows, as many as `errors`: of each one's gap at each of them, in m.
@@ -248,9 +242,7 @@ mod tests {
     /// Twenty-one drivers who differ in their time gaps alone.
     fn laws() -> Vec<Idm> {
         let shares = (0..21).map(|i| f64::from(i) / 20.0);
-        shares
-            .map(|share| testing::DRIVER.with_time_gap_s(0.3 + 2.5 * share))
-            .collect()
+        shares.map(|share| testing::DRIVER.with_time_gap_s(0.3 + 2.5 * share)).collect()
     }
 
     /// A run in which the leader stands still for a while.
@@ -267,10 +259,7 @@ mod tests {
         for (law, found) in laws.iter().zip(found) {
             let alone = simulate(&fit, "", |g, v, lead| law.accel_mps2(g, v, lead)).unwrap();
             let alone = SimulationErrors::between(&fit, &alone).gap_rmse_m;
-            assert!(
-                (found - alone).abs() <= 1e-9 * alone,
-                "{law:?}: {found} {alone}"
-            );
+            assert!((found - alone).abs() <= 1e-9 * alone, "{law:?}: {found} {alone}");
         }
     }
 
@@ -297,13 +286,7 @@ mod tests {
         let errors = |law: &Idm| -> Vec<f64> {
             let driven = simulate(&fit, "", |g, v, lead| law.accel_mps2(g, v, lead)).unwrap();
             let recorded = &run.columns().gap_m[fit.rows()];
-            driven
-                .gap_m
-                .iter()
-                .zip(recorded)
-                .skip(1)
-                .map(|(a, b)| a - b)
-                .collect()
+            driven.gap_m.iter().zip(recorded).skip(1).map(|(a, b)| a - b).collect()
         };
         let first = errors(&laws[3]);
         let way = |law: &Idm| -> Vec<f64> {
@@ -314,10 +297,7 @@ mod tests {
         for (k, a) in lines.iter().enumerate() {
             for (l, b) in lines.iter().enumerate() {
                 let expected: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-                assert!(
-                    (found[k][l] - expected).abs() <= 1e-9 * expected.abs(),
-                    "{k} {l}"
-                );
+                assert!((found[k][l] - expected).abs() <= 1e-9 * expected.abs(), "{k} {l}");
             }
         }
     }

@@ -33,13 +33,7 @@ pub enum Family {
 
 impl Family {
     fn bounds(self) -> &'static [(f64, f64)] {
-        const IDM: &[(f64, f64)] = &[
-            (20.0, 50.0),
-            (0.1, 4.0),
-            (0.1, 10.0),
-            (0.1, 4.0),
-            (0.1, 6.0),
-        ];
+        const IDM: &[(f64, f64)] = &[(20.0, 50.0), (0.1, 4.0), (0.1, 10.0), (0.1, 4.0), (0.1, 6.0)];
         match self {
             Self::Idm => IDM,
             Self::IdmTimeGap(_) => &IDM[1..2],
@@ -100,22 +94,15 @@ impl Family {
         let cost = GapError::new(self, stretches)?;
         let bounds = self.bounds();
         let numbers = self.numbers(law).into_iter().zip(bounds);
-        let point: Vec<f64> = numbers
-            .map(|(x, &(low, high))| x.clamp(low, high))
-            .collect();
-        let start = Minimum {
-            cost: cost.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0],
-            point,
-        };
+        let point: Vec<f64> = numbers.map(|(x, &(low, high))| x.clamp(low, high)).collect();
+        let start =
+            Minimum { cost: cost.costs(std::slice::from_ref(&point), &[f64::INFINITY])[0], point };
         let minimum = polish(bounds, start, settings.polishing_steps, &cost);
         Ok(self.calibrated(&minimum))
     }
 
     fn calibrated(self, minimum: &Minimum) -> Calibrated {
-        Calibrated {
-            law: self.law(&minimum.point),
-            fit_gap_rmse_m: minimum.cost,
-        }
+        Calibrated { law: self.law(&minimum.point), fit_gap_rmse_m: minimum.cost }
     }
 }
 
@@ -142,11 +129,7 @@ impl<'a> GapError<'a> {
         let people = counts.iter().map(|count| 1.0 / count).sum::<f64>();
         let all = stretches.len() as f64;
         let shares = counts.iter().map(|count| all / (people * count)).collect();
-        Ok(Self {
-            family,
-            stretches,
-            shares,
-        })
+        Ok(Self { family, stretches, shares })
     }
 }
 
@@ -194,9 +177,7 @@ mod tests {
     #[test]
     fn idm_is_recovered_from_its_own_drive() {
         let run = driven_by_idm("P01", DRIVER);
-        let found = Family::Idm
-            .calibrate(&[run.fit()], &SearchSettings::default(), 1)
-            .unwrap();
+        let found = Family::Idm.calibrate(&[run.fit()], &SearchSettings::default(), 1).unwrap();
         assert!(found.fit_gap_rmse_m < 0.05, "{found:?}");
         let law = found.law;
         assert!((law.time_gap_s - DRIVER.time_gap_s).abs() < 0.02);
@@ -209,9 +190,7 @@ mod tests {
         let run = driven_by_idm("P01", DRIVER);
         let population = DRIVER.with_time_gap_s(2.6);
         let search = SearchSettings::default();
-        let found = Family::IdmTimeGap(population)
-            .calibrate(&[run.fit()], &search, 1)
-            .unwrap();
+        let found = Family::IdmTimeGap(population).calibrate(&[run.fit()], &search, 1).unwrap();
         assert!((found.law.time_gap_s - DRIVER.time_gap_s).abs() < 1e-3);
         assert_eq!(found.law.with_time_gap_s(2.6), population);
     }

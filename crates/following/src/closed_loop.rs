@@ -55,10 +55,8 @@ pub fn simulate(
     let mut gap_m = Vec::with_capacity(stretch.rows.len());
     let mut speed_mps = Vec::with_capacity(stretch.rows.len());
     let (columns, first) = (stretch.run.columns(), stretch.rows.start);
-    let mut state = EgoState {
-        gap_m: columns.gap_m[first],
-        speed_mps: columns.ego_speed_mps[first].max(0.0),
-    };
+    let mut state =
+        EgoState { gap_m: columns.gap_m[first], speed_mps: columns.ego_speed_mps[first].max(0.0) };
     gap_m.push(state.gap_m);
     speed_mps.push(state.speed_mps);
     let mut reached_zero = false;
@@ -75,11 +73,7 @@ pub fn simulate(
         gap_m.push(state.gap_m);
         speed_mps.push(state.speed_mps);
     }
-    Ok(ClosedLoop {
-        gap_m,
-        speed_mps,
-        reached_zero,
-    })
+    Ok(ClosedLoop { gap_m, speed_mps, reached_zero })
 }
 
 /// One step that ends at `row`; the error is a command that is no number.
@@ -91,11 +85,7 @@ fn advance(
     law: &mut impl FnMut(f64, f64, f64) -> f64,
 ) -> Result<EgoState, f64> {
     let columns = stretch.run.columns();
-    let command = law(
-        state.gap_m,
-        state.speed_mps,
-        columns.lead_speed_mps[row - 1],
-    );
+    let command = law(state.gap_m, state.speed_mps, columns.lead_speed_mps[row - 1]);
     if !command.is_finite() {
         return Err(command);
     }
@@ -161,9 +151,6 @@ mod tests {
     fn a_law_without_a_number_is_an_error() {
         let run = testing::behind("P01", 30, 5.0, 10.0, |_| 10.0);
         let error = simulate(&run.test(), "broken", |_, _, _| f64::NAN).unwrap_err();
-        assert!(matches!(
-            error,
-            FollowingError::LawNotFinite { row: 20, .. }
-        ));
+        assert!(matches!(error, FollowingError::LawNotFinite { row: 20, .. }));
     }
 }

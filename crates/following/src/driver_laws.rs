@@ -40,10 +40,7 @@ pub(crate) fn laws_of_each(
         let time_gap = Family::IdmTimeGap(population.law);
         Ok([
             (M::IdmPopulation, population),
-            (
-                M::IdmPopulationOwnTimeGap,
-                fit(time_gap, M::IdmPopulationOwnTimeGap)?,
-            ),
+            (M::IdmPopulationOwnTimeGap, fit(time_gap, M::IdmPopulationOwnTimeGap)?),
             (M::IdmOwn, fit(Family::Idm, M::IdmOwn)?),
         ])
     };
@@ -85,9 +82,7 @@ mod tests {
     fn own_time_gap_is_the_only_number_that_differs_from_the_population() {
         let runs = runs(&[1.0, 1.5, 2.2]);
         let found = laws(&runs, &runs);
-        let [short, _, long] = found.as_slice() else {
-            panic!("{found:?}")
-        };
+        let [short, _, long] = found.as_slice() else { panic!("{found:?}") };
         for [(_, population), (_, time_gap), _] in &found {
             let own_s = time_gap.law.time_gap_s;
             assert_eq!(time_gap.law, population.law.with_time_gap_s(own_s));
@@ -112,10 +107,8 @@ mod tests {
         let runs = runs(&[1.0, 1.5, 2.2]);
         // The error that a fit states is the mean over the drives that it was fitted to.
         let is_fitted_to = |judged: &FollowingRun, drives: &[FollowingRun]| {
-            let Calibrated {
-                law,
-                fit_gap_rmse_m,
-            } = laws(std::slice::from_ref(judged), &runs)[0][0].1;
+            let Calibrated { law, fit_gap_rmse_m } =
+                laws(std::slice::from_ref(judged), &runs)[0][0].1;
             let rmse = |run: &FollowingRun| {
                 let fit = run.fit();
                 let by_law = |g, v, lead| law.accel_mps2(g, v, lead);

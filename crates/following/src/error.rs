@@ -25,11 +25,7 @@ pub enum FollowingError {
     },
     /// Too few rows to split into two parts of at least two.
     #[error("drive `{driver}` has {found} rows, expected at least {expected}")]
-    TooShort {
-        driver: String,
-        found: usize,
-        expected: usize,
-    },
+    TooShort { driver: String, found: usize, expected: usize },
     /// Columns that differ in length.
     #[error("drive `{driver}` column `{column}` has {found} rows, expected {expected}")]
     LengthMismatch {
@@ -53,10 +49,7 @@ pub enum FollowingError {
     },
     /// A sampling rate that is no rate.
     #[error("drive `{driver}` has a rate of {found} Hz, expected a finite number above 0")]
-    BadRate {
-        driver: String,
-        found: f64,
-    },
+    BadRate { driver: String, found: f64 },
     /// Rows that are not one sampling step apart, as at a hole in a recording.
     #[error("drive `{driver}` steps {found_s} s to row {row}, expected {expected_s} s")]
     UnevenTime {
@@ -87,17 +80,10 @@ pub enum FollowingError {
     },
     /// Fewer drivers than a population needs.
     #[error("{found} drivers, expected at least {expected}: a population is the other drivers")]
-    TooFewDrivers {
-        found: usize,
-        expected: usize,
-    },
+    TooFewDrivers { found: usize, expected: usize },
     /// A setting outside its range.
     #[error("`{name}` is {found}, expected {expected}")]
-    BadSetting {
-        name: &'static str,
-        found: f64,
-        expected: &'static str,
-    },
+    BadSetting { name: &'static str, found: f64, expected: &'static str },
 }
 
 /// Refuses fewer drivers than are needed.

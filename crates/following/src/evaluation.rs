@@ -41,9 +41,8 @@ pub fn evaluate(
     }
     let laws = laws_of_each(judged, learned, settings)?;
     let drivers = judged.iter().zip(&laws);
-    let drivers: Vec<DriverEvaluation> = drivers
-        .map(|(run, laws)| drive(run, laws))
-        .collect::<Result<_, _>>()?;
+    let drivers: Vec<DriverEvaluation> =
+        drivers.map(|(run, laws)| drive(run, laws)).collect::<Result<_, _>>()?;
     let means = M::ALL.iter().filter_map(|m| MethodMean::over(*m, &drivers));
     Ok(FollowingEvaluation {
         learned_from,
@@ -59,14 +58,7 @@ fn drive(run: &FollowingRun, laws: &DriverLaws) -> Result<DriverEvaluation, Foll
     let test = run.test();
     let mut methods = Vec::new();
     let mut series = recorded_series(run);
-    for &(
-        method,
-        Calibrated {
-            law,
-            fit_gap_rmse_m,
-        },
-    ) in laws
-    {
+    for &(method, Calibrated { law, fit_gap_rmse_m }) in laws {
         let by_law = |gap_m, ego_mps, lead_mps| law.accel_mps2(gap_m, ego_mps, lead_mps);
         let simulated = simulate(&test, method.as_str(), by_law)?;
         methods.push(MethodErrors {
@@ -282,10 +274,7 @@ mod tests {
         let stands = testing::behind("stands", 300, 20.0, 2.0, |_| 2.0);
         let stands = refused(stands, &mut runs);
         assert!(matches!(stands, E::NeverMoves { .. }));
-        let settings = FollowingSettings {
-            moving_above_mps: f64::NAN,
-            ..quick()
-        };
+        let settings = FollowingSettings { moving_above_mps: f64::NAN, ..quick() };
         let bad = evaluate(&runs, &runs, &settings);
         assert!(matches!(bad, Err(E::BadSetting { .. })));
     }

@@ -256,18 +256,12 @@ mod tests {
                     (M::IdmOwn, 4.0, true),
                 ],
             ),
-            driver(
-                "C",
-                &[(M::IdmPopulation, 3.0, false), (M::IdmOwn, 12.0, true)],
-            ),
+            driver("C", &[(M::IdmPopulation, 3.0, false), (M::IdmOwn, 12.0, true)]),
         ];
         FollowingEvaluation {
             learned_from: 3,
             driven: M::DRIVEN_BY_DEFAULT,
-            means: M::ALL
-                .iter()
-                .filter_map(|m| MethodMean::over(*m, &drivers))
-                .collect(),
+            means: M::ALL.iter().filter_map(|m| MethodMean::over(*m, &drivers)).collect(),
             drivers,
             compared: Vec::new(),
         }
@@ -317,10 +311,7 @@ mod tests {
         assert_eq!(found.people(), 2);
         let time_gap = M::IdmPopulationOwnTimeGap;
         assert_eq!(found.differences_m(M::IdmOwn, time_gap), [0.0]);
-        assert_eq!(
-            found.differences_m(M::IdmOwn, M::IdmPopulation),
-            [-0.25, 9.0]
-        );
+        assert_eq!(found.differences_m(M::IdmOwn, M::IdmPopulation), [-0.25, 9.0]);
     }
 
     #[test]

@@ -53,12 +53,7 @@ impl FollowingRun {
         columns: FollowingColumns,
     ) -> Result<Self, FollowingError> {
         let driver: String = driver.into();
-        let run = Self {
-            person: driver.clone(),
-            driver,
-            rate_hz,
-            columns,
-        };
+        let run = Self { person: driver.clone(), driver, rate_hz, columns };
         run.check()?;
         Ok(run)
     }
@@ -97,12 +92,7 @@ impl FollowingRun {
         let leader = |(x, dx): (&f64, &f64)| x + dx;
         let columns = FollowingColumns {
             time_s: rows.time_s.clone(),
-            leader_x_m: rows
-                .ego_x_m
-                .iter()
-                .zip(&rows.lead_dx_m)
-                .map(leader)
-                .collect(),
+            leader_x_m: rows.ego_x_m.iter().zip(&rows.lead_dx_m).map(leader).collect(),
             lead_speed_mps: rows.lead_speed_mps.clone(),
             ego_speed_mps: rows.ego_speed_mps.clone(),
             gap_m: rows.lead_dx_m.clone(),
@@ -157,21 +147,14 @@ impl FollowingRun {
         if fit.iter().any(|speed| *speed > above_mps) {
             return Ok(());
         }
-        Err(FollowingError::NeverMoves {
-            driver: self.driver.clone(),
-            above_mps,
-        })
+        Err(FollowingError::NeverMoves { driver: self.driver.clone(), above_mps })
     }
 
     fn at_least(&self, expected: usize) -> Result<(), FollowingError> {
         if self.rows() >= expected {
             return Ok(());
         }
-        Err(FollowingError::TooShort {
-            driver: self.driver.clone(),
-            found: self.rows(),
-            expected,
-        })
+        Err(FollowingError::TooShort { driver: self.driver.clone(), found: self.rows(), expected })
     }
 
     fn check(&self) -> Result<(), FollowingError> {
@@ -179,10 +162,7 @@ impl FollowingRun {
         self.at_least(MIN_ROWS)?;
         let expected = self.rows();
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
-            return Err(FollowingError::BadRate {
-                driver: driver(),
-                found: self.rate_hz,
-            });
+            return Err(FollowingError::BadRate { driver: driver(), found: self.rate_hz });
         }
         let c = &self.columns;
         for (column, values, above_m) in [
@@ -255,21 +235,15 @@ mod tests {
     use maveric_domain::{DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId};
 
     fn columns() -> FollowingColumns {
-        testing::behind("P01", 10, 20.0, 10.0, |_| 10.0)
-            .columns()
-            .clone()
+        testing::behind("P01", 10, 20.0, 10.0, |_| 10.0).columns().clone()
     }
 
     /// 3 s at 10 m/s; the leader, 25 m from centre to centre and 5 m long like ego, leaves at row `leaves`.
     fn drive(leaves: usize) -> Drive {
         let n = 30;
         let x: Vec<f64> = (0..n).map(|i| i as f64).collect();
-        let ego = EgoTrack {
-            length_m: 5.0,
-            x_m: x.clone(),
-            y_m: vec![0.0; n],
-            speed_mps: vec![10.0; n],
-        };
+        let ego =
+            EgoTrack { length_m: 5.0, x_m: x.clone(), y_m: vec![0.0; n], speed_mps: vec![10.0; n] };
         let leader = ObjectTrack {
             id: VehicleId(7),
             length_m: 5.0,
@@ -321,10 +295,7 @@ mod tests {
         let run = FollowingRun::new("P01", 10.0, columns).unwrap();
         assert!(matches!(run.check_fit(2.0), Err(E::NeverMoves { .. })));
         let eight = testing::behind("P01", 8, 20.0, 10.0, |_| 10.0);
-        assert!(matches!(
-            eight.check_fit(2.0),
-            Err(E::TooShort { expected: 9, .. })
-        ));
+        assert!(matches!(eight.check_fit(2.0), Err(E::TooShort { expected: 9, .. })));
     }
 
     #[test]
@@ -334,29 +305,11 @@ mod tests {
             change(&mut columns);
             FollowingRun::new("P01", 10.0, columns).unwrap_err()
         };
-        assert!(matches!(
-            refused(|c| c.gap_m[4] = 0.0),
-            E::BadValue { row: 4, .. }
-        ));
-        assert!(matches!(
-            refused(|c| c.lead_speed_mps[2] = f64::NAN),
-            E::BadValue { row: 2, .. }
-        ));
-        assert!(matches!(
-            refused(|c| c.time_s[9] = 3.0),
-            E::UnevenTime { row: 9, .. }
-        ));
-        assert!(matches!(
-            refused(|c| c.gap_m.truncate(9)),
-            E::LengthMismatch { .. }
-        ));
-        assert!(matches!(
-            refused(|c| *c = FollowingColumns::default()),
-            E::TooShort { .. }
-        ));
-        assert!(matches!(
-            FollowingRun::new("P01", 0.0, columns()),
-            Err(E::BadRate { .. })
-        ));
+        assert!(matches!(refused(|c| c.gap_m[4] = 0.0), E::BadValue { row: 4, .. }));
+        assert!(matches!(refused(|c| c.lead_speed_mps[2] = f64::NAN), E::BadValue { row: 2, .. }));
+        assert!(matches!(refused(|c| c.time_s[9] = 3.0), E::UnevenTime { row: 9, .. }));
+        assert!(matches!(refused(|c| c.gap_m.truncate(9)), E::LengthMismatch { .. }));
+        assert!(matches!(refused(|c| *c = FollowingColumns::default()), E::TooShort { .. }));
+        assert!(matches!(FollowingRun::new("P01", 0.0, columns()), Err(E::BadRate { .. })));
     }
 }

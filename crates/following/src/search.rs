@@ -19,12 +19,7 @@ pub struct SearchSettings {
 
 impl Default for SearchSettings {
     fn default() -> Self {
-        Self {
-            members_per_parameter: 12,
-            generations: 200,
-            patience: 40,
-            polishing_steps: 60,
-        }
+        Self { members_per_parameter: 12, generations: 200, patience: 40, polishing_steps: 60 }
     }
 }
 
@@ -80,9 +75,8 @@ fn minimise(
     let mut costs = cost.costs(&points, &vec![f64::INFINITY; members]);
     let mut lowest = Vec::new();
     for _ in 0..settings.generations {
-        let trials: Vec<Vec<f64>> = (0..members)
-            .map(|target| trial(&mut rng, bounds, &points, target))
-            .collect();
+        let trials: Vec<Vec<f64>> =
+            (0..members).map(|target| trial(&mut rng, bounds, &points, target)).collect();
         let trial_costs = cost.costs(&trials, &costs);
         for (target, (trial, trial_cost)) in trials.into_iter().zip(trial_costs).enumerate() {
             if trial_cost <= costs[target] {
@@ -99,10 +93,7 @@ fn minimise(
         }
     }
     let best = lowest_index(&costs);
-    Minimum {
-        point: points.swap_remove(best),
-        cost: costs[best],
-    }
+    Minimum { point: points.swap_remove(best), cost: costs[best] }
 }
 
 /// A mutant of three others, crossed with the target.
@@ -172,10 +163,7 @@ pub(crate) fn polish(
         };
         let gained = best_yet.cost - costs[best];
         if gained > 0.0 {
-            best_yet = Minimum {
-                point: candidates[best].clone(),
-                cost: costs[best],
-            };
+            best_yet = Minimum { point: candidates[best].clone(), cost: costs[best] };
         }
         if gained.is_nan() || gained <= CLOSED * best_yet.cost.abs() {
             break;
@@ -245,20 +233,12 @@ mod tests {
         }
 
         fn products(&self, points: &[Vec<f64>]) -> DMatrix<f64> {
-            let errors: Vec<DVector<f64>> = points
-                .iter()
-                .map(|p| DVector::from_vec((self.0)(p)))
-                .collect();
+            let errors: Vec<DVector<f64>> =
+                points.iter().map(|p| DVector::from_vec((self.0)(p))).collect();
             let line = |i: usize| {
-                if i == 0 {
-                    errors[0].clone()
-                } else {
-                    &errors[i] - &errors[0]
-                }
+                if i == 0 { errors[0].clone() } else { &errors[i] - &errors[0] }
             };
-            DMatrix::from_fn(points.len(), points.len(), |a, b| {
-                2.0 * line(a).dot(&line(b))
-            })
+            DMatrix::from_fn(points.len(), points.len(), |a, b| 2.0 * line(a).dot(&line(b)))
         }
     }
 
@@ -285,14 +265,7 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_bytes() {
-        let run = |seed| {
-            minimise(
-                &[(-5.0, 4.0)],
-                &settings(8, 5),
-                seed,
-                &Squares(many_valleys),
-            )
-        };
+        let run = |seed| minimise(&[(-5.0, 4.0)], &settings(8, 5), seed, &Squares(many_valleys));
         assert_eq!(run(3), run(3));
         assert_ne!(run(3), run(4));
     }
@@ -304,10 +277,7 @@ mod tests {
             asked.set(asked.get() + 1);
             vec![1.0 + 0.5 * f64::from(asked.get() % 2)]
         });
-        let few = SearchSettings {
-            patience: 3,
-            ..settings(8, 50)
-        };
+        let few = SearchSettings { patience: 3, ..settings(8, 50) };
         minimise(&[(0.0, 1.0)], &few, 1, &flat);
         // The first members, the first generation, and three that gain nothing.
         assert_eq!(asked.get(), 8 * 5);
@@ -326,10 +296,7 @@ mod tests {
     #[test]
     fn the_bend_of_a_curved_valley_is_found() {
         let rosenbrock = Squares(|p: &[f64]| vec![1.0 - p[0], 10.0 * (p[1] - p[0] * p[0])]);
-        let start = Minimum {
-            point: vec![-1.2, 1.0],
-            cost: 24.2,
-        };
+        let start = Minimum { point: vec![-1.2, 1.0], cost: 24.2 };
         let found = polish(&[(-2.0, 2.0), (-2.0, 2.0)], start, 400, &rosenbrock);
         assert!((found.point[0] - 1.0).abs() < 1e-3, "{found:?}");
     }
@@ -337,10 +304,7 @@ mod tests {
     #[test]
     fn a_minimum_outside_the_bounds_ends_on_them_and_the_rest_goes_on() {
         let cost = Squares(|p: &[f64]| vec![p[0] - 9.0, p[1] - 1.0 - 0.1 * p[0]]);
-        let start = Minimum {
-            point: vec![1.0, 4.0],
-            cost: 64.0 + 8.41,
-        };
+        let start = Minimum { point: vec![1.0, 4.0], cost: 64.0 + 8.41 };
         let found = polish(&[(0.0, 5.0), (0.0, 5.0)], start, 100, &cost);
         assert!((found.point[0] - 5.0).abs() < 1e-9, "{found:?}");
         assert!((found.point[1] - 1.5).abs() < 1e-6, "{found:?}");

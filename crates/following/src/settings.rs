@@ -16,11 +16,7 @@ pub struct FollowingSettings {
 
 impl Default for FollowingSettings {
     fn default() -> Self {
-        Self {
-            seed: 1,
-            search: SearchSettings::default(),
-            moving_above_mps: 2.0,
-        }
+        Self { seed: 1, search: SearchSettings::default(), moving_above_mps: 2.0 }
     }
 }
 

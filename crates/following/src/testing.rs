@@ -47,10 +47,7 @@ pub(super) fn behind(
 pub(super) fn driven_by_idm(driver: &str, law: Idm) -> FollowingRun {
     let lead = |t: f64| 16.0 + 9.0 * (t / 11.0).sin() + 4.0 * (t / 4.3).sin();
     let blank = behind(driver, 1500, 30.0, 15.0, lead);
-    let whole = Stretch {
-        run: &blank,
-        rows: 0..blank.rows(),
-    };
+    let whole = Stretch { run: &blank, rows: 0..blank.rows() };
     let driven = simulate(&whole, "idm", |g, v, lead| law.accel_mps2(g, v, lead)).unwrap();
     let columns = FollowingColumns {
         gap_m: driven.gap_m,

@@ -62,9 +62,7 @@ fn drive(bencher: divan::Bencher<'_, '_>) {
     };
     bencher.bench(|| {
         let log = read_log(path, &settings).unwrap().remove(0);
-        Drive::from_recording(log.meta, &log.recording)
-            .unwrap()
-            .len()
+        Drive::from_recording(log.meta, &log.recording).unwrap().len()
     });
 }
 
@@ -73,10 +71,7 @@ fn recording() -> Recording {
     let rows = 12_000;
     let time_s: Vec<f64> = (0..rows).map(|i| f64::from(i) / 20.0).collect();
     let x = |ahead: f64| {
-        time_s
-            .iter()
-            .map(|t| 30.0 * t + ahead + (0.1 * t).sin())
-            .collect::<Vec<f64>>()
+        time_s.iter().map(|t| 30.0 * t + ahead + (0.1 * t).sin()).collect::<Vec<f64>>()
     };
     let flat = |value: f64| vec![value; time_s.len()];
     let other = |id: u32| ObjectTrack {
@@ -87,12 +82,7 @@ fn recording() -> Recording {
         y_m: flat(3.66 * f64::from(id % 2)),
         speed_mps: flat(30.0),
     };
-    let ego = EgoTrack {
-        length_m: 4.7,
-        x_m: x(0.0),
-        y_m: flat(0.0),
-        speed_mps: flat(30.0),
-    };
+    let ego = EgoTrack { length_m: 4.7, x_m: x(0.0), y_m: flat(0.0), speed_mps: flat(30.0) };
     Recording::new(
         Road::PAPER,
         20.0,
@@ -133,11 +123,7 @@ fn write_parquet(bencher: divan::Bencher<'_, '_>) {
 fn eight_hours(bencher: divan::Bencher<'_, '_>, tracks: u32) {
     const ROWS: usize = 8 * 3600 * 20;
     const STAY: usize = 100;
-    let line = |from: f64| {
-        (0..STAY)
-            .map(|i| from + 1.5 * i as f64)
-            .collect::<Vec<f64>>()
-    };
+    let line = |from: f64| (0..STAY).map(|i| from + 1.5 * i as f64).collect::<Vec<f64>>();
     let other = |id: u32| {
         let first_row = id as usize * (ROWS - STAY) / tracks as usize;
         ObjectTrack {

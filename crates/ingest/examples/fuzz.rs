@@ -162,9 +162,7 @@ fn seeds(short: &[u8], folder: Option<PathBuf>) -> Vec<Vec<u8>> {
         repacked(short, WriteOptions::new().compression(None)),
         repacked(short, lz4.chunk_size(Some(8192))),
     ];
-    let entries = folder
-        .into_iter()
-        .flat_map(|f| std::fs::read_dir(f).unwrap());
+    let entries = folder.into_iter().flat_map(|f| std::fs::read_dir(f).unwrap());
     let mut files: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
     files.sort();
     let read = files.iter().map(|f| std::fs::read(f).unwrap());
@@ -211,11 +209,7 @@ fn main() {
     let end = Instant::now() + Duration::from_secs(seconds);
     let (mut runs, mut drives, mut most) = (0_u64, 0_u64, 0);
     while Instant::now() < end {
-        let of_log = |bytes| Input {
-            bytes,
-            name: "input.mcap".to_owned(),
-            mapping: None,
-        };
+        let of_log = |bytes| Input { bytes, name: "input.mcap".to_owned(), mapping: None };
         let input = match target.as_str() {
             "msg" => of_log(within(&short, &mut chance, true)),
             "cdr" => of_log(within(&short, &mut chance, false)),

@@ -61,10 +61,7 @@ pub(crate) fn assemble(
         ego,
         others,
     )
-    .map_err(|source| IngestError::Refused {
-        path: path.to_owned(),
-        source,
-    })?
+    .map_err(|source| IngestError::Refused { path: path.to_owned(), source })?
     .seen_by(target.sees.or_shown(Sees {
         // Of an only lane the vehicles beside are left out.
         beside: drive.sees.beside && !target.own_lane_only,
@@ -232,9 +229,7 @@ fn drop_ego(path: &Path, drive: &mut RawDrive) -> Option<Warning> {
             sum.1 += 1.0;
         }
     }
-    let near = distance
-        .into_iter()
-        .find(|(_, (sum, n))| sum / n < EGO_ITSELF_M);
+    let near = distance.into_iter().find(|(_, (sum, n))| sum / n < EGO_ITSELF_M);
     let (id, _) = near?;
     let its_length = |o: ObjectSample| o.known_length_m().filter(|_| o.id == id);
     let length_m = drive.objects.iter().find_map(its_length);
@@ -307,11 +302,7 @@ mod tests {
     #[test]
     fn ego_among_the_objects_and_vehicles_of_other_lanes_are_left_out() {
         let objects = (0..100).flat_map(|i| {
-            [
-                object(i, 1, 0.1, 0.0),
-                object(i, 2, 30.0, 0.3),
-                object(i, 3, 20.0, 3.6),
-            ]
+            [object(i, 1, 0.1, 0.0), object(i, 2, 30.0, 0.3), object(i, 3, 20.0, 3.6)]
         });
         let (recording, warnings) = assembled(objects);
         let ids: Vec<u32> = recording.others().iter().map(|t| t.id.0).collect();
@@ -326,16 +317,8 @@ mod tests {
         let told = |frame, lanes| {
             let settings = IngestSettings::default();
             let unknown = Target::mapped(&settings).unwrap();
-            let road = Road {
-                lanes,
-                ..unknown.road
-            };
-            let target = Target {
-                road,
-                frame,
-                own_lane_only: lanes == 1,
-                ..unknown
-            };
+            let road = Road { lanes, ..unknown.road };
+            let target = Target { road, frame, own_lane_only: lanes == 1, ..unknown };
             let mut beside = drive(Vec::new());
             beside.ego.y_m.fill(40.0);
             let assembled = assemble(Path::new("log"), beside, &target);
@@ -365,23 +348,16 @@ mod tests {
         assert!(said(|target| target.frame = FrameKind::Path));
         assert!(!said(|target| target.frame = FrameKind::Map));
         assert!(!said(|target| target.right_lane_centre_y_m = -3.66));
-        assert!(!said(
-            |target| target.lane_shape = LaneShape::Edges(&[-2.0, 2.0, 6.0])
-        ));
+        assert!(!said(|target| target.lane_shape = LaneShape::Edges(&[-2.0, 2.0, 6.0])));
         assert!(!said(|target| target.road.lanes = 1));
     }
 
     #[test]
     fn a_vehicle_that_returns_has_two_tracks_and_none_bridges_its_absence() {
-        let objects = (0..100)
-            .filter(|i| !(40..60).contains(i))
-            .map(|i| object(i, 7, 30.0, 0.0));
+        let objects = (0..100).filter(|i| !(40..60).contains(i)).map(|i| object(i, 7, 30.0, 0.0));
         let (recording, _) = assembled(objects);
-        let found: Vec<(usize, usize)> = recording
-            .others()
-            .iter()
-            .map(|t| (t.first_row, t.x_m.len()))
-            .collect();
+        let found: Vec<(usize, usize)> =
+            recording.others().iter().map(|t| (t.first_row, t.x_m.len())).collect();
         assert_eq!(found, [(0, 79), (120, 79)]);
     }
 }

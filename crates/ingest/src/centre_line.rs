@@ -35,11 +35,7 @@ impl<'a> CentreLine<'a> {
                 extreme(1, f64::max, f64::NEG_INFINITY),
             ]
         });
-        Self {
-            points,
-            way_m,
-            bounds: bounds.collect(),
-        }
+        Self { points, way_m, bounds: bounds.collect() }
     }
 
     /// Way along the line and distance to its left of a place, both in m; the first and last segment go on for ever.
@@ -103,10 +99,7 @@ mod tests {
             assert!((d - left).abs() < 0.02, "{d}");
         }
         let (s, d) = line.place(197.0, 450.0);
-        assert!(
-            (s - 564.15).abs() < 0.1 && (d - 3.0).abs() < 1e-9,
-            "{s} {d}"
-        );
+        assert!((s - 564.15).abs() < 0.1 && (d - 3.0).abs() < 1e-9, "{s} {d}");
         let (s, d) = line.place(-10.0, 1.0);
         assert!(s < -9.0 && (d - 1.0).abs() < 0.1, "{s} {d}");
         assert!(line.place(f64::NAN, 0.0).0.is_nan());

@@ -21,20 +21,14 @@ type Span = (i64, i64);
 pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
     let ego = &drive.ego;
     let of_ego = Times::from_samples(ego);
-    let (of_objects, of_speeds) = (
-        Times::from_samples(&drive.objects),
-        Times::from_samples(&drive.speeds),
-    );
+    let (of_objects, of_speeds) =
+        (Times::from_samples(&drive.objects), Times::from_samples(&drive.speeds));
     let clocks = [&of_ego, &of_objects, &of_speeds];
     if clocks.iter().any(|times| times.receipt_back) || ego.is_empty() {
         // Receipt goes back as well: nothing is gained.
         return None;
     }
-    let set_back = if of_ego.back {
-        restarts(ego)
-    } else {
-        Vec::new()
-    };
+    let set_back = if of_ego.back { restarts(ego) } else { Vec::new() };
     let elsewhere = |&i: &usize| {
         let (a, b) = (ego.at(i - 1), ego.at(i));
         let dt = b.log_ns.saturating_sub(a.log_ns) as f64 / 1e9;
@@ -85,12 +79,7 @@ impl Times {
     /// Of samples in the order of the file.
     fn from_samples(samples: &impl Timed) -> Self {
         let none = (i64::MAX, i64::MIN);
-        let mut times = Self {
-            back: false,
-            receipt_back: false,
-            span: none,
-            receipt_span: none,
-        };
+        let mut times = Self { back: false, receipt_back: false, span: none, receipt_span: none };
         let grow = |span: &mut Span, t: i64| *span = (span.0.min(t), span.1.max(t));
         for (&stamp, &log) in samples.stamps().iter().zip(samples.receipts()) {
             times.back |= stamp < times.span.1.saturating_sub(SET_BACK_NS);
@@ -154,11 +143,8 @@ pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span>
     if starts.is_empty() || is_one_drive(ego) {
         return Vec::new();
     }
-    let bounds: Vec<usize> = [0]
-        .into_iter()
-        .chain(starts.iter().copied())
-        .chain([ego.len()])
-        .collect();
+    let bounds: Vec<usize> =
+        [0].into_iter().chain(starts.iter().copied()).chain([ego.len()]).collect();
     let pieces: Vec<Span> = bounds
         .windows(2)
         .map(|b| {
@@ -243,17 +229,11 @@ mod tests {
     }
 
     fn stamped(stamps: impl Iterator<Item = i64>) -> EgoSamples {
-        (0..)
-            .zip(stamps)
-            .map(|(i, t)| ego(2 * i, t * STEP))
-            .collect()
+        (0..).zip(stamps).map(|(i, t)| ego(2 * i, t * STEP)).collect()
     }
 
     fn separated(ego: EgoSamples) -> (Vec<i64>, usize) {
-        let mut drive = RawDrive {
-            ego,
-            ..RawDrive::default()
-        };
+        let mut drive = RawDrive { ego, ..RawDrive::default() };
         let holes = separate_restarts(&mut drive, 20 * STEP);
         let stamps = drive.ego.iter().map(|s| s.stamp_ns / STEP).collect();
         (stamps, holes.len())

@@ -30,10 +30,7 @@ pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
     let (text, header) = headed(bytes, separator)?;
     text::short_rows(text, &header).map_err(|flaw| flaw.sentence(header.names.len()))?;
     let frame = parse(text, &header, |_| DataType::String, None, false);
-    Ok(Csv {
-        frame: frame.map_err(|e| first_line(&e))?,
-        decimal_comma: header.separator == b';',
-    })
+    Ok(Csv { frame: frame.map_err(|e| first_line(&e))?, decimal_comma: header.separator == b';' })
 }
 
 /// Rows of such a table, from 0, that end before its header does, each with its number of cells: the others of such a row are empty in
@@ -80,11 +77,9 @@ mod tests {
 
     #[test]
     fn the_header_says_what_separates_and_semicolons_what_is_decimal() {
-        for (text, decimal_comma) in [
-            ("a,b\n1,2\n", false),
-            ("a;b\n1,5;2\n", true),
-            ("a\tb\n1\t2\n", false),
-        ] {
+        for (text, decimal_comma) in
+            [("a,b\n1,2\n", false), ("a;b\n1,5;2\n", true), ("a\tb\n1\t2\n", false)]
+        {
             let csv = read_csv(text.as_bytes(), None).unwrap();
             assert_eq!(csv.decimal_comma, decimal_comma, "{text}");
             assert_eq!((csv.frame.width(), csv.frame.height()), (2, 1), "{text}");

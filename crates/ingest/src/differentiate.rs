@@ -134,9 +134,8 @@ mod tests {
         };
         // x = t³ every 60 ms: over three samples to both sides the slope at t is 3t² and a part that follows from the window alone.
         let time = |i: usize| 0.06 * i as f64;
-        let cubic: Vec<EgoSample> = (0..=20_u8)
-            .map(|i| at(60 * i64::from(i), time(i.into()).powi(3)))
-            .collect();
+        let cubic: Vec<EgoSample> =
+            (0..=20_u8).map(|i| at(60 * i64::from(i), time(i.into()).powi(3))).collect();
         let window: [f64; 7] = [-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|i| 0.06 * i);
         let sum = |power: i32| window.iter().map(|t| t.powi(power)).sum::<f64>();
         let part = sum(4) / sum(2);
@@ -151,14 +150,8 @@ mod tests {
         assert!((found[0].unwrap() - 10.0).abs() < 1e-9);
         let (mean_t, mean_x) = (1.4 / 3.0, 20.0 / 3.0);
         let points = [(0.0, 0.0), (0.4, 4.0), (1.0, 16.0)];
-        let both: f64 = points
-            .iter()
-            .map(|(t, x)| (t - mean_t) * (x - mean_x))
-            .sum();
-        let square: f64 = points
-            .iter()
-            .map(|(t, _)| (t - mean_t) * (t - mean_t))
-            .sum();
+        let both: f64 = points.iter().map(|(t, x)| (t - mean_t) * (x - mean_x)).sum();
+        let square: f64 = points.iter().map(|(t, _)| (t - mean_t) * (t - mean_t)).sum();
         assert!((found[1].unwrap() - both / square).abs() < 1e-9);
         assert!((found[2].unwrap() - 20.0).abs() < 1e-9);
         assert_eq!(found[3], None);

@@ -46,10 +46,7 @@ pub fn drive_frame(drive: &Drive) -> DataFrame {
         numbers("lead_dy_m", &r.lead_dy_m),
         numbers("lead_speed_mps", &r.lead_speed_mps),
         flags("lane_change", &r.lane_change),
-        whole(
-            "changing",
-            r.changing.iter().map(|&c| i64::from(c)).collect(),
-        ),
+        whole("changing", r.changing.iter().map(|&c| i64::from(c)).collect()),
         flags("change_completes", &r.change_completes),
         flags("following", &r.following),
         Column::new("following_distance_m".into(), distance),
@@ -76,10 +73,7 @@ pub fn write_drive_to(
     let entries = version.chain(of_drive).map(|(k, v)| (k.to_owned(), v));
     let entries = entries.chain(provenance.entries.iter().cloned());
     let entries = entries.map(|(k, v)| (format!("{PREFIX}{k}"), v)).collect();
-    let failed = |reason: String| IngestError::WriteDrive {
-        drive: meta.drive.to_string(),
-        reason,
-    };
+    let failed = |reason: String| IngestError::WriteDrive { drive: meta.drive.to_string(), reason };
     let bytes = parquet_bytes(&mut drive_frame(drive), entries).map_err(failed)?;
     out.write_all(&bytes).map_err(|e| failed(e.to_string()))
 }
@@ -98,11 +92,8 @@ pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> 
     let file = file.map_err(|why| bad(path, format!("cannot be read: {why}")))?;
     let without_prefix =
         |(key, value): (String, String)| Some((key.strip_prefix(PREFIX)?.to_owned(), value));
-    let values: Vec<(String, String)> = file
-        .metadata
-        .into_iter()
-        .filter_map(without_prefix)
-        .collect();
+    let values: Vec<(String, String)> =
+        file.metadata.into_iter().filter_map(without_prefix).collect();
     let read = DriveFile {
         path,
         entries: values.iter().cloned().collect(),
@@ -111,18 +102,12 @@ pub fn read_drive_from(path: &Path) -> Result<(Drive, Provenance), IngestError> 
     };
     let drive = read.drive()?;
     let of_drive = |key: &str| key == "version" || KEYS.contains(&key);
-    let entries = values
-        .into_iter()
-        .filter(|(key, _)| !of_drive(key))
-        .collect();
+    let entries = values.into_iter().filter(|(key, _)| !of_drive(key)).collect();
     Ok((drive, Provenance { entries }))
 }
 
 fn bad(path: &Path, problem: impl Into<String>) -> IngestError {
-    IngestError::BadDrive {
-        path: path.to_owned(),
-        problem: problem.into(),
-    }
+    IngestError::BadDrive { path: path.to_owned(), problem: problem.into() }
 }
 
 struct DriveFile<'a> {
@@ -135,9 +120,8 @@ struct DriveFile<'a> {
 impl DriveFile<'_> {
     fn drive(&self) -> Result<Drive, IngestError> {
         let version = self.entries.get("version").map(String::as_str);
-        let version = version.ok_or_else(|| IngestError::NotADrive {
-            path: self.path.to_owned(),
-        })?;
+        let version =
+            version.ok_or_else(|| IngestError::NotADrive { path: self.path.to_owned() })?;
         if version != VERSION {
             let problem = format!("is a drive of format {version}, expected {VERSION}");
             return Err(self.bad(problem));
@@ -168,19 +152,12 @@ impl DriveFile<'_> {
             gap_behind_left_m: self.numbers("gap_behind_left_m")?,
             gap_behind_right_m: self.numbers("gap_behind_right_m")?,
         };
-        let entries = MetaValues {
-            path: self.path,
-            values: &self.entries,
-        };
+        let entries = MetaValues { path: self.path, values: &self.entries };
         let rate_hz = entries.positive("rate_hz")?;
         let drive = Drive::from_rows(entries.meta()?, entries.road()?, rate_hz, rows)
             .map_err(|e| self.bad(format!("is no drive: {e}")))?
             .seen_by(entries.sees()?);
-        Ok(if entries.without_lateral() {
-            drive.without_lateral()
-        } else {
-            drive
-        })
+        Ok(if entries.without_lateral() { drive.without_lateral() } else { drive })
     }
 
     fn bad(&self, problem: String) -> IngestError {
@@ -221,9 +198,7 @@ impl DriveFile<'_> {
     fn filled<T>(&self, name: &str, cells: Vec<Option<T>>) -> Result<Vec<T>, IngestError> {
         let nothing = |row: usize| self.bad(format!("has nothing in row {row} of `{name}`"));
         let cells = (1..).zip(cells);
-        cells
-            .map(|(row, cell)| cell.ok_or_else(|| nothing(row)))
-            .collect()
+        cells.map(|(row, cell)| cell.ok_or_else(|| nothing(row))).collect()
     }
 
     fn fits<T: TryFrom<i64>>(&self, name: &str, value: i64) -> Result<T, IngestError> {

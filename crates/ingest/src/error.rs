@@ -320,17 +320,11 @@ impl IngestError {
     }
 
     pub(crate) fn bad_table(path: &Path, reason: impl Into<String>) -> Self {
-        Self::BadTable {
-            path: path.to_owned(),
-            reason: reason.into(),
-        }
+        Self::BadTable { path: path.to_owned(), reason: reason.into() }
     }
 
     pub(crate) fn bad_mapping(path: &Path, reason: impl Into<String>) -> Self {
-        Self::BadMapping {
-            path: path.to_owned(),
-            reason: reason.into(),
-        }
+        Self::BadMapping { path: path.to_owned(), reason: reason.into() }
     }
 
     /// Names the file in an operating-system error, giving the common ones their own kind.

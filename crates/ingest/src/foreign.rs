@@ -14,11 +14,7 @@ const KNOWN: [Known; 13] = [
         "it is an SQLite file, as older ROS 2 rigs record",
         "convert it with the mcap tool: `mcap convert FILE.db3 FILE.mcap`, or with `ros2 bag convert`",
     ),
-    (
-        &[0x1f, 0x8b],
-        "it is packed with gzip",
-        "unpack it first: `gunzip FILE.gz`",
-    ),
+    (&[0x1f, 0x8b], "it is packed with gzip", "unpack it first: `gunzip FILE.gz`"),
     (
         &[0x28, 0xb5, 0x2f, 0xfd],
         "it is packed with zstd as a whole",
@@ -29,21 +25,9 @@ const KNOWN: [Known; 13] = [
         "it is packed with lz4 as a whole",
         "unpack it first: `lz4 -d FILE.lz4`",
     ),
-    (
-        b"BZh",
-        "it is packed with bzip2",
-        "unpack it first: `bunzip2 FILE.bz2`",
-    ),
-    (
-        b"PK\x03\x04",
-        "it is a ZIP archive, or a spreadsheet",
-        "unpack it, or save the sheet as CSV",
-    ),
-    (
-        b"\x89HDF\r\n\x1a\n",
-        "it is an HDF5 file",
-        "export its signals as CSV or Parquet first",
-    ),
+    (b"BZh", "it is packed with bzip2", "unpack it first: `bunzip2 FILE.bz2`"),
+    (b"PK\x03\x04", "it is a ZIP archive, or a spreadsheet", "unpack it, or save the sheet as CSV"),
+    (b"\x89HDF\r\n\x1a\n", "it is an HDF5 file", "export its signals as CSV or Parquet first"),
     (
         b"MATLAB 5.0 MAT-file",
         "it is a MATLAB file",

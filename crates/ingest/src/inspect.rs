@@ -146,11 +146,7 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
     let topics = given.mapping.as_ref().and_then(|m| m.mcap.as_ref());
     let collected = collect_all(&parts.files, topics)?;
     let streams = &collected.streams;
-    let with_times = || {
-        streams
-            .iter()
-            .filter_map(|s| Some((s, s.taken.times.as_ref()?)))
-    };
+    let with_times = || streams.iter().filter_map(|s| Some((s, s.taken.times.as_ref()?)));
     let receipts_ns = || with_times().flat_map(|(_, times)| times.log_ns.iter().copied());
     let (first, last) = (receipts_ns().min(), receipts_ns().max());
     let mut channels: Vec<ChannelSummary> = with_times().map(|(s, t)| summary(s, t)).collect();
@@ -162,17 +158,12 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
         channels,
         rows: receipts_ns().count(),
         duration_s: first.zip(last).map(|(a, b)| (b - a) as f64 / 1e9),
-        gaps: with_times()
-            .flat_map(|(s, t)| gaps(&s.channel.topic, &t.log_ns, start))
-            .collect(),
+        gaps: with_times().flat_map(|(s, t)| gaps(&s.channel.topic, &t.log_ns, start)).collect(),
         ..LogSummary::default()
     };
     let damaged =
         !parts.missing.is_empty() || collected.walked.iter().any(|w| !w.damage.is_empty());
-    let settings = IngestSettings {
-        recover: true,
-        ..given.clone()
-    };
+    let settings = IngestSettings { recover: true, ..given.clone() };
     let candidates: Vec<_> = streams.iter().map(candidate).collect();
     let what = match choose(path, topics, &candidates) {
         Ok(choice) => describe(&collected, &choice, damaged),
@@ -188,9 +179,7 @@ fn inspect_mcap(path: &Path, given: &IngestSettings) -> Result<LogSummary, Inges
         Ok(drive) => {
             let rows = drive.recording.rows();
             let warnings = drive.warnings.into_iter();
-            log_summary
-                .warnings
-                .extend(warnings.filter(|w| w.kind != WarningKind::Damage));
+            log_summary.warnings.extend(warnings.filter(|w| w.kind != WarningKind::Damage));
             let sees = drive.recording.sees();
             log_summary.sees = Some(sees);
             format!("one drive of {rows} rows {what}{}", seen_in_words(sees))
@@ -222,11 +211,7 @@ fn describe(collected: &Collected, choice: &Choice, damaged: bool) -> String {
         Some(objects) => format!("the others from `{}`", objects.topic),
         None => "no other vehicles, so no lead vehicle".to_owned(),
     };
-    let caution = if damaged {
-        "; with --recover only, because the file is damaged"
-    } else {
-        ""
-    };
+    let caution = if damaged { "; with --recover only, because the file is damaged" } else { "" };
     format!(
         "at {} Hz: ego from `{}` ({}){speed}; {others}{caution}",
         IngestSettings::RATE_HZ,

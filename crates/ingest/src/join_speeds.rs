@@ -31,15 +31,9 @@ pub(crate) fn join_speeds(path: &Path, drive: &mut RawDrive) -> Option<Warning> 
     // A few at the ends and in holes are left out; where most have none, the positions are the better source.
     if 2 * unknown < drive.ego.len() {
         drive.ego.retain(|s| s.speed_mps.is_some());
-        return warn(
-            unknown,
-            "poses of ego between two speeds too far apart are left out",
-        );
+        return warn(unknown, "poses of ego between two speeds too far apart are left out");
     }
-    warn(
-        unknown,
-        "most poses of ego lie between no two speeds of their own channel",
-    )
+    warn(unknown, "most poses of ego lie between no two speeds of their own channel")
 }
 
 fn way_m(ego: &EgoSamples) -> f64 {
@@ -87,22 +81,13 @@ mod tests {
     }
 
     fn at(stamp_ns: i64, speed_mps: f64) -> SpeedSample {
-        SpeedSample {
-            stamp_ns,
-            log_ns: 0,
-            nth: 0,
-            speed_mps,
-        }
+        SpeedSample { stamp_ns, log_ns: 0, nth: 0, speed_mps }
     }
 
     #[test]
     fn speeds_are_joined_but_not_over_a_hole() {
         let mut ego: EgoSamples = (0..4).map(ego).collect();
-        let speeds = [
-            at(50_000_000, 2.0),
-            at(150_000_000, 4.0),
-            at(900_000_000, 9.0),
-        ];
+        let speeds = [at(50_000_000, 2.0), at(150_000_000, 4.0), at(900_000_000, 9.0)];
         let speeds = speeds.into_iter().collect();
         assert_eq!(join(&mut ego, &speeds), 3);
         let found: Vec<Option<f64>> = ego.iter().map(|s| s.speed_mps).collect();

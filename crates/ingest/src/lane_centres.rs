@@ -36,31 +36,21 @@ pub(crate) fn into_lanes(
 ) -> Result<(), IngestError> {
     let centres = match shape {
         LaneShape::Even => return Ok(()),
-        LaneShape::Edges(edges) => edges
-            .windows(2)
-            .map(|e| f64::midpoint(e[0], e[1]))
-            .collect(),
+        LaneShape::Edges(edges) => edges.windows(2).map(|e| f64::midpoint(e[0], e[1])).collect(),
         LaneShape::Driven => {
             driven(drive, road).map_err(|why| IngestError::bad_table(path, why))?
         }
     };
     let edges: Vec<f64> = match shape {
         LaneShape::Edges(edges) => edges[1..edges.len() - 1].to_vec(),
-        _ => centres
-            .windows(2)
-            .map(|c| f64::midpoint(c[0], c[1]))
-            .collect(),
+        _ => centres.windows(2).map(|c| f64::midpoint(c[0], c[1])).collect(),
     };
     let most = WITHIN_LANE * road.lane_width_m;
     let place = |y: f64| {
         let lane = edges.partition_point(|edge| *edge <= y);
         let offset = y - centres[lane];
         let right = if lane == 0 { f64::NEG_INFINITY } else { -most };
-        let left = if lane == edges.len() {
-            f64::INFINITY
-        } else {
-            most
-        };
+        let left = if lane == edges.len() { f64::INFINITY } else { most };
         lane as f64 * road.lane_width_m + offset.clamp(right, left)
     };
     drive.move_all(|x, y| (x, place(y)));
@@ -90,10 +80,7 @@ fn driven(drive: &RawDrive, road: &Road) -> Result<Vec<f64>, String> {
         lanes.entry(lane).or_default().push(y);
     }
     lanes.retain(|_, ys| ys.len() as f64 >= LEAST_SHARE * count as f64);
-    let centres: Vec<f64> = lanes
-        .into_values()
-        .filter_map(|mut ys| median(&mut ys))
-        .collect();
+    let centres: Vec<f64> = lanes.into_values().filter_map(|mut ys| median(&mut ys)).collect();
     let expected = usize::from(road.lanes);
     if centres.len() == expected {
         return Ok(centres);
@@ -122,18 +109,11 @@ mod tests {
             yaw_rad: None,
             speed_mps: Some(20.0),
         });
-        RawDrive {
-            ego: ego.collect(),
-            ..RawDrive::default()
-        }
+        RawDrive { ego: ego.collect(), ..RawDrive::default() }
     }
 
     fn placed(ys: &[f64], lanes: u8, shape: LaneShape<'_>) -> Result<Vec<f64>, String> {
-        let road = Road {
-            lanes,
-            lane_width_m: 3.5,
-            ..Road::PAPER
-        };
+        let road = Road { lanes, lane_width_m: 3.5, ..Road::PAPER };
         let mut drive = at(ys);
         into_lanes(Path::new("t.csv"), &mut drive, &road, shape).map_err(|e| e.to_string())?;
         Ok(drive.ego.y_m)
@@ -141,32 +121,21 @@ mod tests {
 
     fn assert_near(found: &[f64], expected: &[f64]) {
         let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-9;
-        assert!(
-            found.len() == expected.len() && found.iter().zip(expected).all(near),
-            "{found:?}"
-        );
+        assert!(found.len() == expected.len() && found.iter().zip(expected).all(near), "{found:?}");
     }
 
     #[test]
     fn edges_make_lanes_of_any_width_the_roads_lanes() {
         // A right lane of 3 m, one of 4 m, and beside them on both sides.
         let edges = [10.0, 13.0, 17.0];
-        let found = placed(
-            &[11.5, 12.5, 15.0, 13.1, 8.0, 20.0],
-            2,
-            LaneShape::Edges(&edges),
-        );
-        assert_near(
-            &found.unwrap(),
-            &[0.0, 1.0, 3.5, 3.5 - 1.715, -3.5, 3.5 + 5.0],
-        );
+        let found = placed(&[11.5, 12.5, 15.0, 13.1, 8.0, 20.0], 2, LaneShape::Edges(&edges));
+        assert_near(&found.unwrap(), &[0.0, 1.0, 3.5, 3.5 - 1.715, -3.5, 3.5 + 5.0]);
     }
 
     #[test]
     fn lanes_are_found_where_vehicles_drove_and_not_guessed_where_some_are_empty() {
-        let mut ys: Vec<f64> = (0..300)
-            .map(|i| 101.0 + f64::from(i % 3) * 3.4 + f64::from(i % 7 - 3) * 0.1)
-            .collect();
+        let mut ys: Vec<f64> =
+            (0..300).map(|i| 101.0 + f64::from(i % 3) * 3.4 + f64::from(i % 7 - 3) * 0.1).collect();
         // A change between two lanes makes none.
         ys.push(102.7);
         let found = placed(&ys, 3, LaneShape::Driven).unwrap();

@@ -50,11 +50,7 @@ pub(crate) struct EgoPath<'a> {
 impl<'a> EgoPath<'a> {
     /// Takes samples that are sorted by time.
     pub(crate) fn new(ego: &'a EgoSamples) -> Self {
-        Self {
-            ego,
-            next: 0,
-            last: None,
-        }
+        Self { ego, next: 0, last: None }
     }
 
     /// Ego at `time_ns`, between its samples: `(x, y)` in m; none outside them.
@@ -132,12 +128,7 @@ fn straight_line(ego: &EgoSamples) -> Option<Line> {
     if length <= 0.0 {
         return None;
     }
-    let line = Line {
-        x_m: first.x_m,
-        y_m: first.y_m,
-        cos: dx / length,
-        sin: dy / length,
-    };
+    let line = Line { x_m: first.x_m, y_m: first.y_m, cos: dx / length, sin: dy / length };
     // Ego that turns back is on no straight road either.
     let mut furthest = f64::NEG_INFINITY;
     for (&x, &y) in ego.x_m.iter().zip(&ego.y_m) {
@@ -289,18 +280,11 @@ mod tests {
     #[test]
     fn a_winding_drive_is_unrolled_along_its_path() {
         let circle: Vec<(f64, f64)> = (0..400)
-            .map(|i| {
-                (
-                    50.0 * (0.02 * f64::from(i)).cos(),
-                    50.0 * (0.02 * f64::from(i)).sin(),
-                )
-            })
+            .map(|i| (50.0 * (0.02 * f64::from(i)).cos(), 50.0 * (0.02 * f64::from(i)).sin()))
             .collect();
         let mut drive = RawDrive {
             ego: ego(&circle),
-            objects: [object(10_000_000_000, circle[103].0, circle[103].1)]
-                .into_iter()
-                .collect(),
+            objects: [object(10_000_000_000, circle[103].0, circle[103].1)].into_iter().collect(),
             ..RawDrive::default()
         };
         place(&mut drive, FrameKind::Auto, 0.0, 0.5);

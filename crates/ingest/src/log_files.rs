@@ -27,12 +27,7 @@ pub fn log_files(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
         parts.truncate(1);
         return Ok(parts);
     }
-    let mut below = Below {
-        mapping,
-        logs: Vec::new(),
-        others: Vec::new(),
-        above: Vec::new(),
-    };
+    let mut below = Below { mapping, logs: Vec::new(), others: Vec::new(), above: Vec::new() };
     below.look_into(path)?;
     if let (true, Some(other)) = (below.logs.is_empty(), below.others.first()) {
         format_of(other)?;

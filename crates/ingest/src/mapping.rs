@@ -142,9 +142,7 @@ impl Mapping {
     /// Whether the mapping says to pass over a file or a folder of this name.
     pub fn skips(&self, path: &Path) -> bool {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        self.skip
-            .iter()
-            .any(|pattern| names::matches(pattern, &name))
+        self.skip.iter().any(|pattern| names::matches(pattern, &name))
     }
 
     /// What is wrong with it; one that is read from a file has nothing.
@@ -250,10 +248,7 @@ mod tests {
                 },
                 "with `{n}`",
             ),
-            (
-                |m| m.table.as_mut().unwrap().gap_kind = None,
-                "`table.gap_kind`",
-            ),
+            (|m| m.table.as_mut().unwrap().gap_kind = None, "`table.gap_kind`"),
             (|m| m.rate_hz = Some(f64::NAN), "`rate_hz`"),
         ];
         for (change, words) in changes {
@@ -278,10 +273,7 @@ mod tests {
         for name in ["openacc.toml", "ngsim_pairs.toml"] {
             let mapping = shipped(name);
             assert!(mapping.skips(Path::new("data/manifest.csv")), "{name}");
-            assert!(
-                !mapping.skips(Path::new("data/i80_0400pm_f1_l2.csv")),
-                "{name}"
-            );
+            assert!(!mapping.skips(Path::new("data/i80_0400pm_f1_l2.csv")), "{name}");
         }
         let units = shipped("ngsim_pairs.toml").table.unwrap().units;
         assert_eq!(units.length, LengthUnit::Feet);
@@ -301,27 +293,15 @@ mod tests {
         let pair = format!("{table}time = \"s\"\nspeed = \"m/s\"\n");
         assert!(Mapping::from_toml(&pair, Path::new("m.toml")).is_ok());
         for (from, to, said) in [
-            (
-                "gap_kind = \"bumper_to_bumper\"\n",
-                "",
-                "`centre_to_centre`?",
-            ),
+            ("gap_kind = \"bumper_to_bumper\"\n", "", "`centre_to_centre`?"),
             ("layout", "layuot", "did you mean `layout`?"),
-            (
-                "\"pair\"",
-                "\"pears\"",
-                "unknown layout `pears`, expected one of `pair`, `long`",
-            ),
+            ("\"pair\"", "\"pears\"", "unknown layout `pears`, expected one of `pair`, `long`"),
             (
                 "\"pair\"",
                 "\"signals\"",
                 "unknown layout `signals`, expected one of `pair`, `long`, `platoon`",
             ),
-            (
-                "layout = \"pair\"",
-                "layout = \"pair\"\nfoward = \"x\"",
-                "did you mean `forward`?",
-            ),
+            ("layout = \"pair\"", "layout = \"pair\"\nfoward = \"x\"", "did you mean `forward`?"),
             (
                 "layout = \"pair\"",
                 "layout = \"pair\"\nseperator = \",\"",
@@ -351,9 +331,7 @@ mod tests {
             let text = std::fs::read_to_string(folder.join(name)).unwrap();
             assert!(text.contains(from), "{name} has no {from}");
             let text = text.replacen(from, to, 1);
-            Mapping::from_toml(&text, Path::new("m.toml"))
-                .unwrap_err()
-                .to_string()
+            Mapping::from_toml(&text, Path::new("m.toml")).unwrap_err().to_string()
         };
         for (name, from, to, layout, key, belongs) in [
             (

@@ -6,11 +6,7 @@ use crate::raw::{
 
 /// Integrates ego's way and counts the leaders, where the rows say neither. Samples are sorted by time and have speeds.
 pub(crate) fn in_order(drive: &mut RawDrive) {
-    let Some(PairRows {
-        x_from_speed,
-        unnumbered,
-    }) = drive.pair
-    else {
+    let Some(PairRows { x_from_speed, unnumbered }) = drive.pair else {
         return;
     };
     if x_from_speed {
@@ -29,11 +25,7 @@ fn integrate(ego: &mut EgoSamples, objects: &mut ObjectSamples) {
     let mut way_m = 0.0;
     let mut last: Option<(i64, f64)> = None;
     for i in 0..ego.len() {
-        let EgoSample {
-            stamp_ns,
-            speed_mps,
-            ..
-        } = ego.at(i);
+        let EgoSample { stamp_ns, speed_mps, .. } = ego.at(i);
         let v = speed_mps.unwrap_or(0.0);
         if let Some((before_ns, before_mps)) = last {
             way_m += 0.5 * (before_mps + v) * (stamp_ns - before_ns) as f64 / 1e9;

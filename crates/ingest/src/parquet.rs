@@ -88,10 +88,8 @@ fn checked(bytes: &[u8]) -> Result<bool, String> {
     if hasher.finalize().to_hex().as_bytes() == claimed {
         Ok(true)
     } else {
-        Err(
-            "its checksum does not match: it was changed or damaged after it was written"
-                .to_owned(),
-        )
+        Err("its checksum does not match: it was changed or damaged after it was written"
+            .to_owned())
     }
 }
 
@@ -132,11 +130,7 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
             .with_columns(columns.map(<[String]>::to_vec))
             .finish()
             .map_err(|e| first_line(&e))?;
-        Ok(ParquetFile {
-            frame,
-            metadata,
-            checked,
-        })
+        Ok(ParquetFile { frame, metadata, checked })
     };
     caught(read)
 }
@@ -197,10 +191,7 @@ mod tests {
     fn frame() -> DataFrame {
         let values: Vec<f64> = (0..2000).map(|i| f64::from(i).sin()).collect();
         let words: Vec<String> = (0..2000).map(|i| format!("w{}", i % 7)).collect();
-        let columns = vec![
-            Column::new("x".into(), values),
-            Column::new("word".into(), words),
-        ];
+        let columns = vec![Column::new("x".into(), values), Column::new("word".into(), words)];
         DataFrame::new(2000, columns).unwrap()
     }
 
@@ -211,10 +202,7 @@ mod tests {
         assert_eq!(bytes, parquet_bytes(&mut frame(), texts.clone()).unwrap());
         let read = read_parquet(bytes, None).unwrap();
         assert!(read.checked && read.frame.equals(&frame()));
-        let own = read
-            .metadata
-            .into_iter()
-            .filter(|e| e.0.starts_with("maveric."));
+        let own = read.metadata.into_iter().filter(|e| e.0.starts_with("maveric."));
         assert_eq!(own.collect::<Vec<_>>(), texts);
     }
 

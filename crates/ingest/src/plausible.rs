@@ -39,12 +39,7 @@ pub(crate) fn refuse_many(
     if total < ENOUGH || count as f64 <= MOST_SHARE * total as f64 {
         return Ok(());
     }
-    Err(IngestError::Implausible {
-        path: path.to_owned(),
-        count,
-        of: total,
-        what: what.to_owned(),
-    })
+    Err(IngestError::Implausible { path: path.to_owned(), count, of: total, what: what.to_owned() })
 }
 
 /// Leaves out samples with speeds that no car has, such as the 9999 that stands for none: they are holes as if nothing were there.
@@ -71,15 +66,10 @@ pub(crate) fn leave_out_impossible(
 fn impossible(speed_mps: &[f64]) -> Vec<usize> {
     let is_impossible = |v: f64| v.abs() > FASTEST_MPS;
     // Without a branch: almost always there are none.
-    if !speed_mps
-        .iter()
-        .fold(false, |some, v| some | is_impossible(*v))
-    {
+    if !speed_mps.iter().fold(false, |some, v| some | is_impossible(*v)) {
         return Vec::new();
     }
-    (0..speed_mps.len())
-        .filter(|&i| is_impossible(speed_mps[i]))
-        .collect()
+    (0..speed_mps.len()).filter(|&i| is_impossible(speed_mps[i])).collect()
 }
 
 /// Leaves out the samples at some places, whose speed is no car's.
@@ -94,10 +84,8 @@ fn left_out(
         return Ok(None);
     }
     let before = samples.stamps().len();
-    let bad: Vec<(i64, u32)> = places
-        .iter()
-        .map(|&i| (samples.stamps()[i], samples.numbers()[i]))
-        .collect();
+    let bad: Vec<(i64, u32)> =
+        places.iter().map(|&i| (samples.stamps()[i], samples.numbers()[i])).collect();
     let what = format!("speeds of {whose} are above {FASTEST_MPS} m/s");
     let refused = format!("{what}: is their unit right?");
     refuse_many(path, bad.len(), before, &refused)?;
@@ -107,11 +95,7 @@ fn left_out(
     if rows.len() > Warning::MOST_SPANS {
         "and more".clone_into(&mut rows[Warning::MOST_SPANS]);
     }
-    let which = if by_row {
-        format!(" (rows {})", rows.join(", "))
-    } else {
-        String::new()
-    };
+    let which = if by_row { format!(" (rows {})", rows.join(", ")) } else { String::new() };
     let what = format!("{what}, as no car drives: they are left out like empty ones{which}");
     let warning = Warning::new(path, WarningKind::Unit, bad.len(), what);
     let spans = bad.iter().map(|&(ns, _)| ns as f64 / 1e9);
@@ -171,11 +155,7 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
         let ratio = median(&mut ratios).unwrap_or(1.0);
         if !BORNE_OUT.contains(&ratio) {
             // A thousandth is a unit too.
-            let ratio = if ratio < 0.1 {
-                format!("{ratio:.4}")
-            } else {
-                format!("{ratio:.2}")
-            };
+            let ratio = if ratio < 0.1 { format!("{ratio:.4}") } else { format!("{ratio:.2}") };
             let what = format!(
                 "ego's speed is {ratio} times what its positions change a second: do the units of time, length \
                  and speed belong together?"
@@ -200,9 +180,7 @@ fn held(path: &Path, ego: &EgoSamples) -> Option<Warning> {
     let is_held = |i: usize| {
         ego.speed_mps[i].abs() > MOVING_MPS && step(ego, i).is_some_and(|(_, moved)| moved <= 0.0)
     };
-    let held: Vec<usize> = (0..ego.len().saturating_sub(1))
-        .filter(|&i| is_held(i))
-        .collect();
+    let held: Vec<usize> = (0..ego.len().saturating_sub(1)).filter(|&i| is_held(i)).collect();
     let second = |i: usize| ego.stamp_ns[i] as f64 / 1e9;
     let (mut count, mut spans) = (0, Vec::new());
     for run in held.chunk_by(|a, b| a + 1 == *b) {
@@ -265,10 +243,7 @@ pub(crate) fn in_the_only_lane(path: &Path, ego: &EgoSamples, road: &Road) -> Op
 /// Seconds at which ego is in none of the road's lanes.
 fn off_the_road(ego: &EgoSamples, road: &Road) -> Vec<f64> {
     let places = ego.stamp_ns.iter().zip(&ego.y_m);
-    places
-        .filter(|(_, y)| road.lane_at(**y).is_none())
-        .map(|(&ns, _)| ns as f64 / 1e9)
-        .collect()
+    places.filter(|(_, y)| road.lane_at(**y).is_none()).map(|(&ns, _)| ns as f64 / 1e9).collect()
 }
 
 fn at_times(path: &Path, kind: WarningKind, times_s: &[f64], what: &str) -> Option<Warning> {
@@ -293,11 +268,7 @@ mod tests {
             yaw_rad: None,
             speed_mps: Some(speed_mps),
         });
-        RawDrive {
-            ego: ego.collect(),
-            ego_length_m: Some(4.7),
-            ..RawDrive::default()
-        }
+        RawDrive { ego: ego.collect(), ego_length_m: Some(4.7), ..RawDrive::default() }
     }
 
     #[test]
@@ -315,10 +286,7 @@ mod tests {
         assert!(doubt.contains("0.0010 times"), "{doubt}");
         assert!(of(-20.0)[0].what.contains("backwards"));
         let refused = leave_out_impossible(Path::new("t"), &mut driving(1e308)).unwrap_err();
-        assert!(
-            refused.to_string().contains("in 100 of 100 samples"),
-            "{refused}"
-        );
+        assert!(refused.to_string().contains("in 100 of 100 samples"), "{refused}");
     }
 
     #[test]
@@ -381,10 +349,7 @@ mod tests {
         raw.ego_length_m = Some(1.4);
         raw.ego.speed_mps[3] = 300.0;
         let fast = leave_out_impossible(Path::new("t"), &mut raw).unwrap();
-        assert_eq!(
-            (fast.len(), fast[0].spans_s.as_slice()),
-            (1, &[(0.3, 0.3)][..])
-        );
+        assert_eq!((fast.len(), fast[0].spans_s.as_slice()), (1, &[(0.3, 0.3)][..]));
         assert_eq!((raw.ego.len(), doubts(Path::new("t"), &raw).len()), (99, 1));
     }
 
@@ -399,11 +364,6 @@ mod tests {
         assert_eq!(warning.count, 2);
         assert_eq!(warning.spans_s.len(), 2);
         drive.ego.y_m.fill(40.0);
-        assert!(
-            on(&drive)
-                .unwrap_err()
-                .to_string()
-                .contains("beside the road")
-        );
+        assert!(on(&drive).unwrap_err().to_string().contains("beside the road"));
     }
 }

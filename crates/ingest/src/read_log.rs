@@ -72,10 +72,7 @@ pub fn read_log(path: &Path, settings: &IngestSettings) -> Result<Vec<Ingested>,
     };
     let has_to_be_whole = !settings.recover || parts.files.is_empty();
     if let Some(part) = parts.missing.first().filter(|_| has_to_be_whole) {
-        return Err(IngestError::MissingPart {
-            path: path.to_owned(),
-            part: part.clone(),
-        });
+        return Err(IngestError::MissingPart { path: path.to_owned(), part: part.clone() });
     }
     if format == Format::Table {
         let mut drives = read_table(path, &parts.files, settings)?;
@@ -101,9 +98,7 @@ pub(crate) fn read_recording(
     let topics = mapping.and_then(|m| m.mcap.as_ref());
     let hashes = collected.walked.iter().filter_map(|w| w.blake3.clone());
     let sources = parts.files.iter().zip(hashes);
-    let sources = sources
-        .map(|(file, blake3)| Source::new(file, blake3))
-        .collect();
+    let sources = sources.map(|(file, blake3)| Source::new(file, blake3)).collect();
     let (drive, record, mut warnings) =
         raw::mcap::read::drive(path, &parts.files, collected, topics, settings.recover)?;
     warnings.extend(without_parts(path, parts));
@@ -126,12 +121,7 @@ pub(crate) fn read_recording(
     };
     let (recording, more) = assemble(path, drive, &target)?;
     warnings.extend(more);
-    Ok(Ingested {
-        meta,
-        recording,
-        warnings,
-        sources,
-    })
+    Ok(Ingested { meta, recording, warnings, sources })
 }
 
 /// A word on each part of a recording that is not there.
@@ -156,30 +146,20 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         return if is_split(path) {
             Ok(Format::Mcap)
         } else {
-            Err(IngestError::IsDirectory {
-                path: path.to_owned(),
-            })
+            Err(IngestError::IsDirectory { path: path.to_owned() })
         };
     }
     let mut head = Vec::new();
-    Read::by_ref(&mut file)
-        .take(4096)
-        .read_to_end(&mut head)
-        .map_err(wrong)?;
+    Read::by_ref(&mut file).take(4096).read_to_end(&mut head).map_err(wrong)?;
     if head.is_empty() {
-        return Err(IngestError::Empty {
-            path: path.to_owned(),
-        });
+        return Err(IngestError::Empty { path: path.to_owned() });
     }
     let magic = maveric_bag::MAGIC;
     if head.starts_with(magic) || head.len() < magic.len() && magic.starts_with(&head) {
         return Ok(Format::Mcap);
     }
-    let not_a_log = |found: String, advice| IngestError::NotALog {
-        path: path.to_owned(),
-        found,
-        advice,
-    };
+    let not_a_log =
+        |found: String, advice| IngestError::NotALog { path: path.to_owned(), found, advice };
     if let Some((what, advice)) = foreign(&head) {
         return Err(not_a_log(what.to_owned(), advice));
     }
@@ -189,9 +169,7 @@ pub(crate) fn format_of(path: &Path) -> Result<Format, IngestError> {
         Err(e) => e.error_len().is_none() && e.valid_up_to() > 0,
     };
     // A file that calls itself MCAP and is text is a mistake, not a table.
-    let named_mcap = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
+    let named_mcap = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mcap"));
     let parquet = is_parquet(&head);
     if !named_mcap && (parquet || text && !head.contains(&0)) {
         return Ok(Format::Table);

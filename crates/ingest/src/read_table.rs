@@ -23,9 +23,7 @@ pub(crate) fn read_table(
     parts: &[PathBuf],
     settings: &IngestSettings,
 ) -> Result<Vec<Ingested>, IngestError> {
-    let no_mapping = || IngestError::NoMapping {
-        path: path.to_owned(),
-    };
+    let no_mapping = || IngestError::NoMapping { path: path.to_owned() };
     let mapping = settings.mapping.as_ref().ok_or_else(no_mapping)?;
     let columns = mapping.table.as_ref().ok_or_else(no_mapping)?;
     let mapped = mapping.road.unwrap_or(RoadMapping::UNKNOWN);
@@ -56,10 +54,7 @@ pub(crate) fn read_table(
     let mut logs = Vec::new();
     for drive in drives {
         match ingested(path, drive, &from_columns, settings, rows) {
-            Ok(drive) => logs.push(Ingested {
-                sources: sources.clone(),
-                ..drive
-            }),
+            Ok(drive) => logs.push(Ingested { sources: sources.clone(), ..drive }),
             // One of many is left out by itself.
             Err(error) if long.is_some() => left_out.take(error)?,
             Err(error) => return Err(error),
@@ -71,10 +66,7 @@ pub(crate) fn read_table(
         return Err(left_out.first.unwrap_or_else(nobody));
     };
     let of_file = log.warnings.into_iter().chain(left_out.warnings(path));
-    first.warnings.extend(of_file.map(|warning| Warning {
-        of_file: true,
-        ..warning
-    }));
+    first.warnings.extend(of_file.map(|warning| Warning { of_file: true, ..warning }));
     Ok(logs)
 }
 
@@ -97,25 +89,14 @@ fn ingested(
 ) -> Result<Ingested, IngestError> {
     let mapping = settings.mapping.as_ref();
     let mapped = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
-    let TableDrive {
-        mut captures,
-        road,
-        lane_steps,
-        raw,
-        mut warnings,
-        ..
-    } = drive;
+    let TableDrive { mut captures, road, lane_steps, raw, mut warnings, .. } = drive;
     let road = road.unwrap_or(mapped);
     let world = Target::mapped(settings)?;
     let target = Target {
         road: road.road(),
         right_lane_centre_y_m: road.right_lane_centre_y_m,
         // Only positions in the world need to be laid along the road.
-        frame: if rows.headed {
-            world.frame
-        } else {
-            FrameKind::Map
-        },
+        frame: if rows.headed { world.frame } else { FrameKind::Map },
         lane_steps,
         // In a bend a leader that is known by its name is not where ego's lane seems to be.
         own_lane_only: road.lanes == 1 && !(rows.headed && rows.leader_named),
@@ -129,12 +110,7 @@ fn ingested(
         along_x(path, recording.ego())?;
     }
     warnings.extend(more);
-    Ok(Ingested {
-        meta,
-        recording,
-        warnings,
-        sources: Vec::new(),
-    })
+    Ok(Ingested { meta, recording, warnings, sources: Vec::new() })
 }
 
 /// Vehicles of a table of many that make no drive.
@@ -189,11 +165,8 @@ fn captures_from_columns(
     let Some(names) = mapping.names.as_ref().filter(|n| !n.columns.is_empty()) else {
         return Ok(Vec::new());
     };
-    let wanted: Vec<(&str, Kind)> = names
-        .columns
-        .values()
-        .map(|column| (column.as_str(), Kind::Word))
-        .collect();
+    let wanted: Vec<(&str, Kind)> =
+        names.columns.values().map(|column| (column.as_str(), Kind::Word)).collect();
     let read = Table::open_all(files.to_vec(), table.into(), &wanted)?;
     let mut captures = Vec::new();
     for (name, column) in &names.columns {
@@ -204,11 +177,7 @@ fn captures_from_columns(
             [one] => captures.push((name.clone(), one.clone())),
             words => {
                 let listed = words.join(", ");
-                let held = if listed.is_empty() {
-                    "nothing"
-                } else {
-                    &listed
-                };
+                let held = if listed.is_empty() { "nothing" } else { &listed };
                 let what =
                     "expected one word throughout a file: the names of drives take it from there";
                 let what = format!("column `{column}` holds {held}, {what}");

@@ -22,21 +22,13 @@ impl Row {
     /// The row's value of a column of samples.
     pub(crate) fn interpolated(&self, values: &[f64]) -> f64 {
         let a = values[self.before];
-        if self.weight > 0.0 {
-            a + self.weight * (values[self.before + 1] - a)
-        } else {
-            a
-        }
+        if self.weight > 0.0 { a + self.weight * (values[self.before + 1] - a) } else { a }
     }
 
     /// The row's place across the road: where that moves in steps, as a label does, that of the last sample before it, so that no row
     /// knows of what comes after it.
     pub(crate) fn across(&self, y_m: &[f64], in_steps: bool) -> f64 {
-        if in_steps {
-            y_m[self.before]
-        } else {
-            self.interpolated(y_m)
-        }
+        if in_steps { y_m[self.before] } else { self.interpolated(y_m) }
     }
 }
 
@@ -65,10 +57,7 @@ pub(crate) fn seconds(stamp_ns: &[i64]) -> Vec<f64> {
 /// Between two samples no more than `max_gap_s` apart rows are interpolated linearly; a longer hole stays a
 /// hole and the next row starts a segment.
 pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
-    let mut grid = Grid {
-        rows: Vec::with_capacity(time_s.len()),
-        holes_s: Vec::new(),
-    };
+    let mut grid = Grid { rows: Vec::with_capacity(time_s.len()), holes_s: Vec::new() };
     let mut segment = 0;
     let mut after_hole = false;
     let first_tick = |t: f64| ((t - SAME_TIME_S) * rate_hz).ceil() as i64;
@@ -92,12 +81,7 @@ pub(crate) fn grid(time_s: &[f64], rate_hz: f64, max_gap_s: f64) -> Grid {
                 Some(next) if since > SAME_TIME_S => (since / (next - t)).min(1.0),
                 _ => 0.0,
             };
-            grid.rows.push(Row {
-                tick,
-                before: i,
-                weight,
-                segment,
-            });
+            grid.rows.push(Row { tick, before: i, weight, segment });
         }
         if let (None, Some(next)) = (joined, next) {
             after_hole = true;
@@ -261,8 +245,7 @@ impl Pattern {
         // The steps for which a sample stands, by its neighbours.
         let stands = |i: usize| 0.5 * (steps((i + 1).min(last)) - steps(i.saturating_sub(1)));
         self.weights.clear();
-        self.weights
-            .extend((inner.0..inner.1).map(|i| stands(i) * kernel(steps(i))));
+        self.weights.extend((inner.0..inner.1).map(|i| stands(i) * kernel(steps(i))));
         let sum: f64 = self.weights.iter().sum();
         if sum > 0.5 * CUT_OFF {
             let to_one = 1.0 / sum;
@@ -313,9 +296,7 @@ static FULL_WIDTH: LazyLock<Vec<[f64; 4]>> = LazyLock::new(|| {
             (after - before) / 6.0 + 0.5 * (a - b),
         ]
     };
-    (0..=HALF_WIDTH_STEPS as usize * PIECES)
-        .map(cubic)
-        .collect()
+    (0..=HALF_WIDTH_STEPS as usize * PIECES).map(cubic).collect()
 });
 
 /// [`kernel`] at its full width.
@@ -332,11 +313,7 @@ fn at_full_width(steps: f64) -> f64 {
 /// What a sample counts so many steps from its row, in a window of half a width.
 fn kernel(steps: f64, half_width: f64) -> f64 {
     let phase = 2.0 * PI * CUT_OFF * steps;
-    let sinc = if phase.abs() < 1e-9 {
-        1.0
-    } else {
-        libm::sin(phase) / phase
-    };
+    let sinc = if phase.abs() < 1e-9 { 1.0 } else { libm::sin(phase) / phase };
     sinc * 0.5 * (1.0 + libm::cos(PI * steps / half_width))
 }
 

@@ -55,11 +55,7 @@ fn check(
     if found > 0.0 && found <= most {
         Ok(found)
     } else {
-        Err(IngestError::BadSetting {
-            name,
-            found,
-            expected,
-        })
+        Err(IngestError::BadSetting { name, found, expected })
     }
 }
 

@@ -24,20 +24,15 @@ pub fn log_parts(path: &Path, mapping: Option<&Mapping>) -> Result<Vec<PathBuf>,
         return Ok(vec![path.to_owned()]);
     }
     let files = parts(path, mapping)?.files;
-    Ok(if files.is_empty() {
-        vec![path.to_owned()]
-    } else {
-        files
-    })
+    Ok(if files.is_empty() { vec![path.to_owned()] } else { files })
 }
 
 /// The files of a recording in their order, and names of those that are not there: a folder as rosbag2 writes it, or files that the
 /// mapping's names say to be parts.
 pub(crate) fn parts(path: &Path, mapping: Option<&Mapping>) -> Result<Parts, IngestError> {
     let names = mapping.and_then(|m| m.names.as_ref());
-    let Some((mapping, names)) = mapping
-        .zip(names)
-        .filter(|(_, n)| n.parts.is_some() && path.is_file())
+    let Some((mapping, names)) =
+        mapping.zip(names).filter(|(_, n)| n.parts.is_some() && path.is_file())
     else {
         return Ok(parts_of(path)?);
     };
@@ -76,10 +71,7 @@ pub(crate) fn parts(path: &Path, mapping: Option<&Mapping>) -> Result<Parts, Ing
 
 /// Of the files of one folder those that are the first part of their recording, in their order.
 pub(crate) fn first_parts(files: Vec<PathBuf>, mapping: Option<&Mapping>) -> Vec<PathBuf> {
-    let Some(names) = mapping
-        .and_then(|m| m.names.as_ref())
-        .filter(|n| n.parts.is_some())
-    else {
+    let Some(names) = mapping.and_then(|m| m.names.as_ref()).filter(|n| n.parts.is_some()) else {
         return files;
     };
     let mut first: BTreeMap<Recording, (Option<u64>, usize)> = BTreeMap::new();
@@ -90,10 +82,7 @@ pub(crate) fn first_parts(files: Vec<PathBuf>, mapping: Option<&Mapping>) -> Vec
     }
     let kept: Vec<usize> = first.into_values().map(|(_, place)| place).collect();
     let numbered = files.into_iter().enumerate();
-    numbered
-        .filter(|(place, _)| kept.contains(place))
-        .map(|(_, file)| file)
-        .collect()
+    numbered.filter(|(place, _)| kept.contains(place)).map(|(_, file)| file).collect()
 }
 
 /// What the parts of a recording have in common in one folder: their name without the number, and its ending.

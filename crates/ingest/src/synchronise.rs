@@ -121,15 +121,7 @@ mod tests {
     use crate::raw::EgoSample;
 
     fn ego(stamp_ns: i64, log_ns: i64, x_m: f64) -> EgoSample {
-        EgoSample {
-            stamp_ns,
-            log_ns,
-            nth: 0,
-            x_m,
-            y_m: 0.0,
-            yaw_rad: None,
-            speed_mps: Some(1.0),
-        }
+        EgoSample { stamp_ns, log_ns, nth: 0, x_m, y_m: 0.0, yaw_rad: None, speed_mps: Some(1.0) }
     }
 
     fn kinds(drive: &mut RawDrive) -> Vec<WarningKind> {
@@ -149,11 +141,7 @@ mod tests {
         assert_eq!(left, [(0, 1.0), (10, 2.0), (20, 3.0)]);
         assert_eq!(
             found,
-            [
-                WarningKind::MissingValue,
-                WarningKind::OutOfOrder,
-                WarningKind::DuplicateTime
-            ]
+            [WarningKind::MissingValue, WarningKind::OutOfOrder, WarningKind::DuplicateTime]
         );
     }
 
@@ -170,9 +158,7 @@ mod tests {
     #[test]
     fn late_receipt_is_reported_and_stamps_are_used() {
         let mut drive = RawDrive {
-            ego: [ego(0, 2_000_000_000, 1.0), ego(50, 2_000_000_050, 2.0)]
-                .into_iter()
-                .collect(),
+            ego: [ego(0, 2_000_000_000, 1.0), ego(50, 2_000_000_050, 2.0)].into_iter().collect(),
             ..RawDrive::default()
         };
         assert_eq!(kinds(&mut drive), [WarningKind::ReceiveSkew]);

@@ -43,11 +43,7 @@ impl<'a> Target<'a> {
         let centre_line = mapping.map_or(&[][..], |m| &m.centre_line);
         Ok(Self {
             road: road.road(),
-            frame: if centre_line.is_empty() {
-                road.frame
-            } else {
-                FrameKind::Map
-            },
+            frame: if centre_line.is_empty() { road.frame } else { FrameKind::Map },
             centre_line,
             lane_shape: mapping.map_or(LaneShape::Even, Mapping::lane_shape),
             right_lane_centre_y_m: road.right_lane_centre_y_m,

@@ -75,22 +75,15 @@ fn memory_follows_what_a_file_holds_and_not_what_it_claims() {
     // Channels share their schema and what is made of it, and a message gives no more rows than any rig sees.
     let text = format!("float64 x\n# {}\n", "x".repeat(4 << 20));
     let mut out = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
-    let schema = out
-        .add_schema("lab/msg/X", "ros2msg", text.as_bytes())
-        .unwrap();
+    let schema = out.add_schema("lab/msg/X", "ros2msg", text.as_bytes()).unwrap();
     let none = std::collections::BTreeMap::new();
     for i in 0..500 {
-        out.add_channel(schema, &format!("/{i}"), "cdr", &none)
-            .unwrap();
+        out.add_channel(schema, &format!("/{i}"), "cdr", &none).unwrap();
     }
     let objects = out.add_schema("lab.Objects", "jsonschema", b"{}").unwrap();
     let channel_id = out.add_channel(objects, "/objects", "json", &none).unwrap();
-    let head = mcap::records::MessageHeader {
-        channel_id,
-        sequence: 0,
-        log_time: 1,
-        publish_time: 1,
-    };
+    let head =
+        mcap::records::MessageHeader { channel_id, sequence: 0, log_time: 1, publish_time: 1 };
     let many = format!("{{\"cars\":[{}0]}}", "0,".repeat(8 << 20));
     out.write_to_known_channel(&head, many.as_bytes()).unwrap();
     out.finish().unwrap();

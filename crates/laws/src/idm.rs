@@ -173,11 +173,7 @@ mod tests {
     fn a_lead_holds_back_only_nearer_than_the_wanted_gap() {
         let wanted = DRIVER.desired_gap_m(25.0, 24.0);
         assert!(DRIVER.held_back_mps2(1.01 * wanted, 25.0, 24.0).is_none());
-        assert!(
-            DRIVER
-                .held_back_mps2(0.4 * wanted, 25.0, 24.0)
-                .is_some_and(|a| a < -4.0)
-        );
+        assert!(DRIVER.held_back_mps2(0.4 * wanted, 25.0, 24.0).is_some_and(|a| a < -4.0));
     }
 
     #[test]
@@ -210,28 +206,19 @@ mod tests {
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
         // 2 + 20 · 1.2 + 20 · 8 / (2√16), and of the free road's 1 a sixteenth is gone at half the desired speed.
         near(driver.desired_gap_m(20.0, 12.0), 46.0);
-        near(
-            driver.accel_mps2(23.0, 20.0, 12.0),
-            2.0 * (1.0 - 1.0 / 16.0 - 4.0),
-        );
+        near(driver.accel_mps2(23.0, 20.0, 12.0), 2.0 * (1.0 - 1.0 / 16.0 - 4.0));
         near(driver.held_back_mps2(23.0, 20.0, 12.0).unwrap(), -6.0);
         near(driver.improved_accel_mps2(23.0, 20.0, 12.0, 1.0), -6.0);
         let free = 2.0 * 15.0 / 16.0;
         let held = 1.0 - 0.5_f64.powf(4.0 / free);
-        near(
-            driver.improved_accel_mps2(92.0, 20.0, 12.0, 1.0),
-            free * held,
-        );
+        near(driver.improved_accel_mps2(92.0, 20.0, 12.0, 1.0), free * held);
         // Half a second more of 20 m/s.
         let further = driver.with_time_gap_s(1.7);
         near(further.desired_gap_m(20.0, 12.0), 56.0);
         // Who draws away is wanted no further than at standstill.
         near(driver.desired_gap_m(20.0, 40.0), 2.0);
         // At twice the desired speed: -8 (1 - 2⁻¹), and half the wanted 98 m.
-        near(
-            driver.improved_accel_mps2(49.0, 80.0, 80.0, 1.0),
-            -4.0 - 6.0,
-        );
+        near(driver.improved_accel_mps2(49.0, 80.0, 80.0, 1.0), -4.0 - 6.0);
         near(driver.improved_accel_mps2(99.0, 80.0, 80.0, 1.0), -4.0);
     }
 }

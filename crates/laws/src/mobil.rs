@@ -53,51 +53,28 @@ mod tests {
         keep_right_mps2: 0.3,
         safe_braking_mps2: 4.0,
     };
-    const GAIN: Sides = Sides {
-        own: (-0.5, 0.0),
-        new_follower: None,
-        old_follower: None,
-    };
+    const GAIN: Sides = Sides { own: (-0.5, 0.0), new_follower: None, old_follower: None };
 
     #[test]
     fn a_gain_above_threshold_and_bias_is_taken() {
         assert!(MOBIL.wants(&GAIN, true), ".5 > .1 + .3");
-        let less = Sides {
-            own: (-0.3, 0.0),
-            ..GAIN
-        };
+        let less = Sides { own: (-0.3, 0.0), ..GAIN };
         assert!(!MOBIL.wants(&less, true) && MOBIL.wants(&less, false));
     }
 
     #[test]
     fn what_the_others_lose_counts_by_politeness() {
-        let cost = |loss: f64| Sides {
-            new_follower: Some((0.0, -loss)),
-            ..GAIN
-        };
+        let cost = |loss: f64| Sides { new_follower: Some((0.0, -loss)), ..GAIN };
         assert!(MOBIL.wants(&cost(0.1), true), ".5 - .05 > .4");
         assert!(!MOBIL.wants(&cost(0.3), true), ".5 - .15 < .4");
-        let freed = Sides {
-            old_follower: Some((-1.0, 0.0)),
-            ..cost(0.3)
-        };
+        let freed = Sides { old_follower: Some((-1.0, 0.0)), ..cost(0.3) };
         assert!(MOBIL.wants(&freed, true));
     }
 
     #[test]
     fn nobody_is_made_to_brake_harder_than_is_safe() {
-        let hard = Sides {
-            own: (-9.0, 1.0),
-            new_follower: Some((0.0, -4.1)),
-            old_follower: None,
-        };
+        let hard = Sides { own: (-9.0, 1.0), new_follower: Some((0.0, -4.1)), old_follower: None };
         assert!(!MOBIL.wants(&hard, false));
-        assert!(!MOBIL.wants(
-            &Sides {
-                own: (-9.0, -4.1),
-                ..GAIN
-            },
-            false
-        ));
+        assert!(!MOBIL.wants(&Sides { own: (-9.0, -4.1), ..GAIN }, false));
     }
 }

@@ -119,11 +119,7 @@ mod tests {
         ] {
             let needed = needed_braking_mps2(gap, 2.0, speed, lead, lead_brakes);
             let way = |from: f64, braking: f64, t: f64| {
-                let t = if braking > 0.0 {
-                    t.min(from / braking)
-                } else {
-                    t
-                };
+                let t = if braking > 0.0 { t.min(from / braking) } else { t };
                 from * t - 0.5 * braking * t * t
             };
             let apart = |tick: u32| {
@@ -139,12 +135,8 @@ mod tests {
 
     #[test]
     fn two_that_brake_sideways_in_time_come_no_nearer_than_the_margin() {
-        let rule = LateralRss {
-            margin_m: 0.2,
-            reaction_s: 0.3,
-            reaction_mps2: 0.2,
-            braking_mps2: 0.8,
-        };
+        let rule =
+            LateralRss { margin_m: 0.2, reaction_s: 0.3, reaction_mps2: 0.2, braking_mps2: 0.8 };
         for (mut one, mut other) in [(1.2_f64, 0.0_f64), (0.6, 0.9), (1.0, -0.3)] {
             let mut apart = rule.distance_m(one, other);
             let step = 1e-4;

@@ -53,16 +53,10 @@ impl Accuracy {
 
 /// Mean of [`drive_accuracy`] over drivers; `pairs` holds (AV, own) for each, shape `(n,)`.
 pub fn mean_accuracy(pairs: &[(Option<f64>, Option<f64>)]) -> Accuracy {
-    let values: Vec<f64> = pairs
-        .iter()
-        .filter_map(|&(av, own)| drive_accuracy(av, own))
-        .collect();
+    let values: Vec<f64> = pairs.iter().filter_map(|&(av, own)| drive_accuracy(av, own)).collect();
     let n = values.len();
     let own_missing = pairs.iter().filter(|(_, own)| own.is_none()).count();
-    let av_missing = pairs
-        .iter()
-        .filter(|(av, own)| av.is_none() && own.is_some())
-        .count();
+    let av_missing = pairs.iter().filter(|(av, own)| av.is_none() && own.is_some()).count();
     let mean = (n > 0).then(|| values.iter().sum::<f64>() / n as f64);
     let sd = mean.filter(|_| n > 1).map(|m| {
         let squares: f64 = values.iter().map(|v| (v - m).powi(2)).sum();
@@ -95,10 +89,7 @@ mod tests {
         ]);
         assert!((found.mean.unwrap() - 0.85).abs() < 1e-12);
         assert_eq!((found.n, found.dropped()), (2, 4));
-        assert_eq!(
-            (found.own_missing, found.av_missing, found.own_zero),
-            (2, 1, 1)
-        );
+        assert_eq!((found.own_missing, found.av_missing, found.own_zero), (2, 1, 1));
     }
 
     #[test]

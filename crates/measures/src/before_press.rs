@@ -187,11 +187,7 @@ mod tests {
         assert!(press_moments(&steady(100.0), &[]).is_empty());
         assert!(press_moments(&steady(100.0), &[150.0]).is_empty());
         let first_minute = press_moments(&steady(100.0), &[30.0]);
-        assert!(
-            times(&first_minute, |m| m.at_risk)
-                .iter()
-                .all(|t| *t >= 20.0)
-        );
+        assert!(times(&first_minute, |m| m.at_risk).iter().all(|t| *t >= 20.0));
     }
 
     #[test]
@@ -200,10 +196,7 @@ mod tests {
         let course = times(&moments, |m| m.to_press_s.is_some());
         assert_eq!(course.first(), Some(&52.5));
         assert!(times(&moments, |m| m.at_risk).iter().all(|t| *t >= 60.0));
-        let just_before = moments
-            .iter()
-            .find(|m| (m.time_s - 61.5).abs() < 1e-9)
-            .unwrap();
+        let just_before = moments.iter().find(|m| (m.time_s - 61.5).abs() < 1e-9).unwrap();
         assert_eq!(just_before.to_press_s, Some(0.5));
     }
 
@@ -215,23 +208,14 @@ mod tests {
         let braking = |press_s: f64| pressed(&drive, press_s).braking_mps2.unwrap();
         assert!((2.5..3.3).contains(&braking(71.0)), "{}", braking(71.0));
         assert!(braking(67.0) < 0.1 && braking(78.0) < 0.1);
-        assert!(
-            braking(68.3) < 0.1,
-            "what begins .3 s before was too late to be its cause"
-        );
+        assert!(braking(68.3) < 0.1, "what begins .3 s before was too late to be its cause");
     }
 
     #[test]
     fn each_exposure_is_there_where_it_happened_and_not_elsewhere() {
-        let drive = Scripted::new(120.0)
-            .lead(60.0, 29.0)
-            .pass(70.0, 90.0)
-            .drive();
+        let drive = Scripted::new(120.0).lead(60.0, 29.0).pass(70.0, 90.0).drive();
         let (quiet, changing) = (pressed(&drive, 50.0), pressed(&drive, 73.0));
-        assert_eq!(
-            (quiet.lane_change, changing.lane_change),
-            (Some(0.0), Some(1.0))
-        );
+        assert_eq!((quiet.lane_change, changing.lane_change), (Some(0.0), Some(1.0)));
         let aside = |m: &PressMoment| m.lateral_acceleration_mps2.unwrap();
         assert!(aside(&changing) > 0.5 && aside(&quiet) < 0.05);
         // It closes in by 1 m/s.

@@ -53,11 +53,7 @@ fn window(drive: &Drive, range: Range<usize>) -> Window {
     };
     let apart = ((0.5 * drive.rate_hz()).round() as usize).max(1);
     let step_s = apart as f64 / drive.rate_hz();
-    let speeds: Vec<f64> = range
-        .clone()
-        .step_by(apart)
-        .map(|r| rows.ego_speed_mps[r])
-        .collect();
+    let speeds: Vec<f64> = range.clone().step_by(apart).map(|r| rows.ego_speed_mps[r]).collect();
     let differences = |values: &[f64]| -> Vec<f64> {
         values.windows(2).map(|w| (w[1] - w[0]) / step_s).collect()
     };
@@ -150,14 +146,10 @@ pub fn discrepancy(
             (squares[i * size + j], squares[j * size + i]) = (square, square);
         }
     }
-    let mut below: Vec<f64> = (0..size)
-        .flat_map(|i| squares[i * size..i * size + i].to_vec())
-        .collect();
+    let mut below: Vec<f64> =
+        (0..size).flat_map(|i| squares[i * size..i * size + i].to_vec()).collect();
     let middle = below.len() / 2;
-    let width = below
-        .select_nth_unstable_by(middle, f64::total_cmp)
-        .1
-        .max(1e-12);
+    let width = below.select_nth_unstable_by(middle, f64::total_cmp).1.max(1e-12);
     // Only what lies below the diagonal is read.
     let mut kernel = vec![0.0; size * size];
     for i in 0..size {
@@ -288,10 +280,7 @@ mod tests {
             |rows: &mut Rows| rows.lead_dy_m[..25].fill(-1.83),
             |rows: &mut Rows| rows.lead_dx_m[..25].fill(-40.0),
         ] {
-            near(
-                windows(&by_rows(10.0, 50, change))[0],
-                [20.0, 4.0, 0.0, 0.0, 0.0],
-            );
+            near(windows(&by_rows(10.0, 50, change))[0], [20.0, 4.0, 0.0, 0.0, 0.0]);
         }
         // From 20 m/s at a jerk of 2 m/s³: v = 20 + t², seen each half second.
         let jerked = windows(&by_rows(10.0, 50, |rows| {
@@ -323,14 +312,8 @@ mod tests {
         let spread = Spread::of([a.as_slice(), b.as_slice()].into_iter());
         let of = |spread: Spread| discrepancy(&a, &b, &spread, 99, 1).unwrap();
         let (alone, rest) = (of(spread.only(0)), of(spread.without(0)));
-        assert!(
-            alone.p.unwrap() < 0.02 && alone.divergence > 0.4,
-            "{alone:?}"
-        );
-        assert!(
-            rest.p.unwrap() > 0.1 && rest.divergence.abs() < 0.4,
-            "{rest:?}"
-        );
+        assert!(alone.p.unwrap() < 0.02 && alone.divergence > 0.4, "{alone:?}");
+        assert!(rest.p.unwrap() > 0.1 && rest.divergence.abs() < 0.4, "{rest:?}");
         // Half a squared distance of means whichever columns that do not differ are looked at beside it.
         assert!((of(spread).divergence - alone.divergence).abs() < 0.5);
         assert!(of(spread.only(2)).divergence.abs() < 0.3);

@@ -189,12 +189,8 @@ mod tests {
 
     #[test]
     fn every_measure_has_a_name_of_its_own_and_is_found_by_it() {
-        let names: BTreeSet<&str> = all()
-            .iter()
-            .chain(further())
-            .chain(met())
-            .map(|m| m.name)
-            .collect();
+        let names: BTreeSet<&str> =
+            all().iter().chain(further()).chain(met()).map(|m| m.name).collect();
         assert_eq!(names.len(), 7 + 9 + 3);
         assert!(names.iter().all(|n| find(n).is_some()));
         assert!(find("mean_speed").is_none());
@@ -215,11 +211,9 @@ mod tests {
         let drive = Scripted::new(40.0).lead(85.0, 25.0).pass(5.0, 30.0).drive();
         let lead: Vec<f64> = drive.rows().lead_dx_m.clone();
         let pair = drive.seen_by(Sees::LEAD);
-        for (name, there) in [
-            ("lane_changes", false),
-            ("left_lane_fraction", false),
-            ("mean_velocity_mps", true),
-        ] {
+        for (name, there) in
+            [("lane_changes", false), ("left_lane_fraction", false), ("mean_velocity_mps", true)]
+        {
             let value = find(name).unwrap().of(&pair);
             assert_eq!(value.is_some(), there, "{name}");
         }
@@ -230,9 +224,6 @@ mod tests {
     fn an_empty_road_gives_speed_count_and_lane_share_and_nothing_else() {
         let drive = Scripted::new(60.0).drive();
         let values: Vec<Option<f64>> = all().iter().map(|m| m.of(&drive)).collect();
-        assert_eq!(
-            values,
-            [Some(30.0), Some(0.0), None, None, None, None, Some(0.0)]
-        );
+        assert_eq!(values, [Some(30.0), Some(0.0), None, None, None, None, Some(0.0)]);
     }
 }

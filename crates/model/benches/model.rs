@@ -32,9 +32,7 @@ fn trained(drives: &[drives::Scored], epochs: usize, batch_size: usize) -> (Mode
 fn train_epoch(bencher: Bencher<'_, '_>, batch_size: usize) {
     let drives = drives::drivers(38, 600.0);
     let rows = trained(&drives, 1, batch_size).1;
-    bencher
-        .counter(ItemsCount::new(5 * rows))
-        .bench_local(|| trained(&drives, 5, batch_size));
+    bencher.counter(ItemsCount::new(5 * rows)).bench_local(|| trained(&drives, 5, batch_size));
 }
 
 #[divan::bench]
@@ -42,10 +40,7 @@ fn predict_one_window(bencher: Bencher<'_, '_>) {
     let drives = drives::drivers(2, 60.0);
     let model = trained(&drives, 1, 512).0;
     let predictor = Predictor::new(&model, model.mean_embedding()).expect("the model's own size");
-    let mut window = model
-        .paper()
-        .expect("networks were trained")
-        .window_buffer();
+    let mut window = model.paper().expect("networks were trained").window_buffer();
     for row in 0..100 {
         let situation = drives[0].0.situation(row).expect("600 rows");
         window.push(&situation).expect("increasing times");

@@ -18,11 +18,7 @@ fn main() {
 fn model(heads: HeadsKind) -> Model {
     let drives = drives::drivers_apart(20, 600.0);
     let given: Vec<_> = drives.iter().map(TrainingDrive::from).collect();
-    let settings = TrainSettings {
-        heads,
-        epochs: 10,
-        ..TrainSettings::default()
-    };
+    let settings = TrainSettings { heads, epochs: 10, ..TrainSettings::default() };
     train(&given, &settings, 1, &mut |_| ControlFlow::Continue(()))
         .expect("drives long enough")
         .model
@@ -30,11 +26,7 @@ fn model(heads: HeadsKind) -> Model {
 
 /// Ten minutes at 20 Hz: 12,000 samples.
 fn new_drive() -> Drive {
-    let habits = drives::Habits {
-        speed_mps: 29.0,
-        time_gap_s: 1.6,
-        passes: true,
-    };
+    let habits = drives::Habits { speed_mps: 29.0, time_gap_s: 1.6, passes: true };
     drives::drive_at(20.0, "new", &habits, 600.0)
 }
 

@@ -47,29 +47,20 @@ fn main() -> Result<(), Failure> {
         })
     };
     let (learned_from, fresh_of) = (people(from)?, people(fresh_source)?);
-    let settings = TrainSettings {
-        heads: heads.parse::<HeadsKind>()?,
-        ..TrainSettings::default()
-    };
+    let settings = TrainSettings { heads: heads.parse::<HeadsKind>()?, ..TrainSettings::default() };
     let trainings = FRESH.div_ceil(learned);
     let results: Vec<Vec<(f64, Option<String>, usize)>> = (0..trainings as u64)
         .into_par_iter()
         .map(|training| {
             let drives: Vec<Drive> = (0..2 * learned)
                 .map(|person| {
-                    let people = if person < learned {
-                        &learned_from
-                    } else {
-                        &fresh_of
-                    };
+                    let people = if person < learned { &learned_from } else { &fresh_of };
                     drive(&scenario, people, 1000 + training, person)
                 })
                 .collect::<Result<_, Failure>>()?;
             let (from, fresh) = drives.split_at(learned);
-            let given: Vec<TrainingDrive<'_>> = from
-                .iter()
-                .map(|drive| TrainingDrive { drive, adb: None })
-                .collect();
+            let given: Vec<TrainingDrive<'_>> =
+                from.iter().map(|drive| TrainingDrive { drive, adb: None }).collect();
             let trained = train(&given, &settings, 1, &mut |_| ControlFlow::Continue(()))?;
             let personalizer = Personalizer::new(&trained.model);
             let mut rows = Vec::new();

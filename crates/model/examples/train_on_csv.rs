@@ -19,21 +19,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (index, line) in text.lines().enumerate().skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
         if cells.len() != 9 {
-            return Err(format!(
-                "{path}: line {}: {} cells, expected 9",
-                index + 1,
-                cells.len()
-            )
-            .into());
+            return Err(
+                format!("{path}: line {}: {} cells, expected 9", index + 1, cells.len()).into()
+            );
         }
         lines_of.entry(cells[0]).or_default().push(cells);
     }
     let drives = lines_of.iter().map(|(driver, lines)| drive(driver, lines));
     let drives: Vec<Drive> = drives.collect::<Result<_, _>>()?;
-    let given: Vec<_> = drives
-        .iter()
-        .map(|drive| TrainingDrive { drive, adb: None })
-        .collect();
+    let given: Vec<_> = drives.iter().map(|drive| TrainingDrive { drive, adb: None }).collect();
     let params = TrainSettings {
         heads: maveric_model::HeadsKind::Paper,
         epochs: 30,
@@ -49,35 +43,18 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// One driver's lines, `driver,time_s,x_m,y_m,speed_mps,lead_id,lead_x_m,lead_y_m,lead_speed_mps`, as a drive.
 fn drive(driver: &str, lines: &[Vec<&str>]) -> Result<Drive, Box<dyn Error>> {
-    let column = |i: usize| {
-        lines
-            .iter()
-            .map(|l| l[i].parse())
-            .collect::<Result<Vec<f64>, _>>()
-    };
+    let column = |i: usize| lines.iter().map(|l| l[i].parse()).collect::<Result<Vec<f64>, _>>();
     let (time_s, n) = (column(1)?, lines.len());
     let rate_hz = (n - 1) as f64 / (time_s[n - 1] - time_s[0]);
-    let ego = EgoTrack {
-        length_m: 4.7,
-        x_m: column(2)?,
-        y_m: column(3)?,
-        speed_mps: column(4)?,
-    };
+    let ego = EgoTrack { length_m: 4.7, x_m: column(2)?, y_m: column(3)?, speed_mps: column(4)? };
     let mut leads: Vec<ObjectTrack> = Vec::new();
-    for (row, line) in lines
-        .iter()
-        .enumerate()
-        .filter(|(_, line)| !line[5].is_empty())
-    {
+    for (row, line) in lines.iter().enumerate().filter(|(_, line)| !line[5].is_empty()) {
         let id = VehicleId(line[5].parse()?);
         let goes_on = |t: &ObjectTrack| t.id == id && t.first_row + t.x_m.len() == row;
         if !leads.last().is_some_and(goes_on) {
             // A vehicle that was out of sight comes back as another one.
-            let id = if leads.iter().any(|t| t.id == id) {
-                VehicleId(10_000 + row as u32)
-            } else {
-                id
-            };
+            let id =
+                if leads.iter().any(|t| t.id == id) { VehicleId(10_000 + row as u32) } else { id };
             leads.push(ObjectTrack {
                 id,
                 length_m: 4.7,

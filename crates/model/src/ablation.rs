@@ -53,15 +53,9 @@ pub enum VariantKind {
 /// Paper, "Embedding size"; method section 3. Losses cannot choose the size alone: calibration section 3.
 pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec<Variant> {
     let learned = |name: String, heads: HeadsKind, change: &dyn Fn(&mut TrainSettings)| {
-        let mut settings = TrainSettings {
-            heads,
-            ..base.clone()
-        };
+        let mut settings = TrainSettings { heads, ..base.clone() };
         change(&mut settings);
-        Variant {
-            name,
-            kind: VariantKind::Learned(Box::new(settings)),
-        }
+        Variant { name, kind: VariantKind::Learned(Box::new(settings)) }
     };
     let networks =
         |name: String, change: &dyn Fn(&mut TrainSettings)| learned(name, HeadsKind::Paper, change);
@@ -88,20 +82,13 @@ pub fn variants(base: &TrainSettings, sizes: &[usize], windows_s: &[f64]) -> Vec
     variants.push(networks("without w".to_owned(), &|s| {
         s.embedding_learning_rate = 0.0;
     }));
-    variants.push(learned(
-        "linear heads".to_owned(),
-        HeadsKind::Linear,
-        &|_| {},
-    ));
+    variants.push(learned("linear heads".to_owned(), HeadsKind::Linear, &|_| {}));
     let baselines = [
         ("linear with w", VariantKind::LinearWindows),
         ("own means", VariantKind::OwnMeans),
         ("own time gap", VariantKind::OwnTimeGap),
     ];
-    variants.extend(baselines.map(|(name, kind)| Variant {
-        name: name.to_owned(),
-        kind,
-    }));
+    variants.extend(baselines.map(|(name, kind)| Variant { name: name.to_owned(), kind }));
     variants
 }
 
@@ -117,10 +104,7 @@ pub struct AblationSettings {
 
 impl Default for AblationSettings {
     fn default() -> Self {
-        Self {
-            folds: 5,
-            known_fraction: 2.0 / 3.0,
-        }
+        Self { folds: 5, known_fraction: 2.0 / 3.0 }
     }
 }
 
@@ -179,16 +163,10 @@ pub fn ablate(
                 }
             }
         }
-        results.push(VariantResult {
-            name: variant.name.clone(),
-            of_each,
-        });
+        results.push(VariantResult { name: variant.name.clone(), of_each });
     }
     Ok(Ablated {
-        drives: drives
-            .iter()
-            .map(|d| d.drive.meta().drive.clone())
-            .collect(),
+        drives: drives.iter().map(|d| d.drive.meta().drive.clone()).collect(),
         settings: settings.clone(),
         variants: results,
     })
@@ -198,10 +176,7 @@ pub fn ablate(
 fn folds(drives: &[TrainingDrive<'_>], folds: usize, seed: u64) -> Result<Vec<usize>, ModelError> {
     let drivers = shuffled_drivers(drives, seed, &["cross-validate", "folds"]);
     if folds < 2 || folds > drivers.len() {
-        return Err(ModelError::TooFewDrivers {
-            drivers: drivers.len(),
-            folds,
-        });
+        return Err(ModelError::TooFewDrivers { drivers: drivers.len(), folds });
     }
     let fold = |drive: &TrainingDrive<'_>| {
         let driver = &drive.drive.meta().participant;
@@ -249,11 +224,7 @@ impl Judge {
             VariantKind::OwnMeans => Knows::Means(own_means()),
             VariantKind::OwnTimeGap => Knows::TimeGap(own_means()),
         };
-        Ok(Self {
-            settings,
-            weights,
-            learned,
-        })
+        Ok(Self { settings, weights, learned })
     }
 
     /// The errors on the part of the drive after the known share; `None` if there is nothing to know or to judge by.
@@ -283,10 +254,7 @@ impl Judge {
             Knows::Means(means) => vec![means.say(known); unseen.len()],
             Knows::TimeGap(means) => unseen.iter().map(|r| means.by_time_gap(known, r)).collect(),
         };
-        Ok(Some(HeldOut::from_predictions(
-            predictions.into_iter().zip(unseen),
-            &self.weights,
-        )))
+        Ok(Some(HeldOut::from_predictions(predictions.into_iter().zip(unseen), &self.weights)))
     }
 }
 
@@ -332,21 +300,12 @@ mod tests {
         let all = variants(&base, &[2], &[]);
         let names: Vec<&str> = all.iter().map(|v| v.name.as_str()).collect();
         assert_eq!(names[..2], ["size 3", "size 2"]);
-        let chosen: Vec<Variant> = [
-            "size 3",
-            "without w",
-            "linear with w",
-            "own means",
-            "own time gap",
-            "linear heads",
-        ]
-        .iter()
-        .map(|name| all.iter().find(|v| v.name == *name).unwrap().clone())
-        .collect();
-        let settings = AblationSettings {
-            folds: 3,
-            ..AblationSettings::default()
-        };
+        let chosen: Vec<Variant> =
+            ["size 3", "without w", "linear with w", "own means", "own time gap", "linear heads"]
+                .iter()
+                .map(|name| all.iter().find(|v| v.name == *name).unwrap().clone())
+                .collect();
+        let settings = AblationSettings { folds: 3, ..AblationSettings::default() };
         let mut steps = Vec::new();
         let mut observe = |done, all| {
             steps.push((done, all));
@@ -372,10 +331,7 @@ mod tests {
         let mut none = |_, _| ControlFlow::Break(());
         let stopped = ablate(&given, &chosen, &settings, 1, &mut none);
         assert!(matches!(stopped, Err(ModelError::Cancelled { .. })));
-        let settings = AblationSettings {
-            folds: 7,
-            ..settings
-        };
+        let settings = AblationSettings { folds: 7, ..settings };
         let refused = ablate(&given, &chosen, &settings, 1, &mut none);
         assert!(matches!(refused, Err(ModelError::TooFewDrivers { .. })));
     }

@@ -16,11 +16,7 @@ pub(crate) struct Adam {
 
 impl Adam {
     pub(crate) fn new(size: usize) -> Self {
-        Self {
-            first: vec![0.0; size],
-            second: vec![0.0; size],
-            steps: 0,
-        }
+        Self { first: vec![0.0; size], second: vec![0.0; size], steps: 0 }
     }
 
     /// Moves `values` against `gradient · scale`.

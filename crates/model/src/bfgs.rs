@@ -52,17 +52,9 @@ pub fn minimise(
             break;
         };
         iterations += 1;
-        update(
-            &mut inverse,
-            &(&candidate - &x),
-            &(&there.gradient - &current.gradient),
-        );
+        update(&mut inverse, &(&candidate - &x), &(&there.gradient - &current.gradient));
         let gained = current.value - there.value;
-        idle = if gained <= ROUNDING * current.value.abs() {
-            idle + 1
-        } else {
-            0
-        };
+        idle = if gained <= ROUNDING * current.value.abs() { idle + 1 } else { 0 };
         (x, current) = (candidate, there);
     }
     x
@@ -92,11 +84,7 @@ fn line_search(
         } else {
             high = share;
         }
-        share = if high.is_finite() {
-            0.5 * (low + high)
-        } else {
-            2.0 * low
-        };
+        share = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * low };
     }
     lower
 }

@@ -136,12 +136,7 @@ impl Data {
         let mut rows = RowSet::default();
         for (index, of_drive) in rows_of_each.iter().enumerate() {
             for row in of_drive {
-                rows.push(
-                    index,
-                    row,
-                    &scaling,
-                    row_weights.of_row(row).map(|w| w * level),
-                );
+                rows.push(index, row, &scaling, row_weights.of_row(row).map(|w| w * level));
             }
         }
         let speeds = || grid().map(|row| row.ego_speed_mps);
@@ -180,11 +175,7 @@ impl Data {
 
     /// How many rows are as asked.
     pub(crate) fn count(&self, which: impl Fn(&Row) -> bool) -> usize {
-        self.rows_of_each
-            .iter()
-            .flatten()
-            .filter(|r| which(r))
-            .count()
+        self.rows_of_each.iter().flatten().filter(|r| which(r)).count()
     }
 
     /// The weights, 0 where a loss has no data.

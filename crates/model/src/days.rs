@@ -68,11 +68,7 @@ impl Days {
         let (error_share, twice, _) =
             tried.reduce(|a, b| if b.2 > a.2 + AS_LIKELY { b } else { a })?;
         let covariance = 0.5 * twice;
-        Some(Self {
-            covariance: covariance.iter().copied().collect(),
-            error_share,
-            people,
-        })
+        Some(Self { covariance: covariance.iter().copied().collect(), error_share, people })
     }
 
     /// Standard deviation of a person's drives along each number of a style.
@@ -128,9 +124,7 @@ impl Days {
         if is_covariance {
             return Ok(());
         }
-        Err(ModelError::bad_file(
-            "its covariance of a person's drives is of another size or none",
-        ))
+        Err(ModelError::bad_file("its covariance of a person's drives is of another size or none"))
     }
 }
 
@@ -162,21 +156,14 @@ fn likeliest(
         // Of a direction in which the drives say nothing every share is as likely.
         let eigen = error.clone().symmetric_eigen();
         let directions = (0..d).filter(|j| eigen.eigenvalues[*j] < SILENT);
-        let directions = eigen
-            .eigenvectors
-            .select_columns(directions.collect::<Vec<_>>().iter());
+        let directions = eigen.eigenvectors.select_columns(directions.collect::<Vec<_>>().iter());
         if directions.ncols() == 0 {
             return Some(0.0);
         }
         let total = (directions.transpose() * (share * error + &twice) * &directions).cholesky()?;
         let difference = directions.transpose() * difference;
         let away = difference.dot(&total.solve(&difference));
-        let determinant: f64 = total
-            .l()
-            .diagonal()
-            .iter()
-            .map(|x| 2.0 * libm::log(*x))
-            .sum();
+        let determinant: f64 = total.l().diagonal().iter().map(|x| 2.0 * libm::log(*x)).sum();
         Some(-0.5 * (away + determinant))
     });
     let log_likelihood = of_each.sum::<Option<f64>>()?;
@@ -197,9 +184,8 @@ fn reading(drive: &Posterior, prior: bool) -> Option<(DVector<f64>, DMatrix<f64>
     let precision = covariance.try_inverse()?;
     let right = &precision * mean;
     let information = precision - DMatrix::identity(d, d);
-    let error = of_symmetric(&(0.5 * (&information + information.transpose())), |v| {
-        1.0 / v.max(LEAST)
-    });
+    let error =
+        of_symmetric(&(0.5 * (&information + information.transpose())), |v| 1.0 / v.max(LEAST));
     Some((&error * right, error))
 }
 
@@ -226,11 +212,7 @@ mod tests {
             let reading = person + normal(day) + stays + normal((1.0 - shared) * error);
             let open = if prior { error / (1.0 + error) } else { error };
             Posterior {
-                mean: vec![if prior {
-                    (1.0 - open) * reading
-                } else {
-                    reading
-                }],
+                mean: vec![if prior { (1.0 - open) * reading } else { reading }],
                 covariance: vec![open],
             }
         };
@@ -250,10 +232,7 @@ mod tests {
                 let days = Days::learn(&pairs_that_share(3000, 0.0, 0.8, prior, shared), prior, 1);
                 let days = days.unwrap();
                 let differs = days.error_share * 0.8 + days.sd()[0].powi(2);
-                assert!(
-                    (differs - (1.0 - shared) * 0.8).abs() < 0.04,
-                    "{prior} {shared} {days:?}"
-                );
+                assert!((differs - (1.0 - shared) * 0.8).abs() < 0.04, "{prior} {shared} {days:?}");
                 assert!((days.error_share - (1.0 - shared)).abs() < 0.11, "{days:?}");
             }
         }
@@ -264,18 +243,12 @@ mod tests {
 
     #[test]
     fn drives_that_say_nothing_are_no_reason_to_trust_the_others() {
-        let silent = Posterior {
-            mean: vec![0.0],
-            covariance: vec![1.0],
-        };
+        let silent = Posterior { mean: vec![0.0], covariance: vec![1.0] };
         let mut some = pairs(300, 0.0, 0.5, true);
         let without = Days::learn(&some, true, 1).unwrap();
         some.extend((0..300).map(|_| [silent.clone(), silent.clone()]));
         let with = Days::learn(&some, true, 1).unwrap();
-        assert!(
-            (with.error_share - without.error_share).abs() < 1e-9,
-            "{with:?} {without:?}"
-        );
+        assert!((with.error_share - without.error_share).abs() < 1e-9, "{with:?} {without:?}");
     }
 
     #[test]
@@ -292,15 +265,8 @@ mod tests {
 
     #[test]
     fn a_person_is_known_less_well_than_the_drive_and_lies_nearer_to_the_mean() {
-        let days = Days {
-            covariance: vec![0.5],
-            error_share: 1.0,
-            people: 30,
-        };
-        let drive = Posterior {
-            mean: vec![1.0],
-            covariance: vec![0.2],
-        };
+        let days = Days { covariance: vec![0.5], error_share: 1.0, people: 30 };
+        let drive = Posterior { mean: vec![1.0], covariance: vec![0.2] };
         // Reading 1.25 with error .25; with the day .75: precision 1 + 4/3.
         let person = days.of_person(&drive, None).unwrap();
         assert!((person.covariance[0] - 3.0 / 7.0).abs() < 1e-9);
@@ -317,10 +283,7 @@ mod tests {
         };
         let with = days.of_person(&drive, Some((44.0, &style))).unwrap();
         assert!(with.mean[0] > 1.0 && with.covariance[0] < 0.2);
-        let open = Posterior {
-            mean: vec![0.0],
-            covariance: vec![1.0],
-        };
+        let open = Posterior { mean: vec![0.0], covariance: vec![1.0] };
         let nothing = days.of_person(&open, None).unwrap();
         assert!(nothing.mean[0].abs() < 1e-6 && (nothing.covariance[0] - 1.0).abs() < 1e-5);
         assert!((days.added_to(drive).covariance[0] - 0.7).abs() < 1e-12);

@@ -21,10 +21,7 @@ pub struct TrainingDrive<'a> {
 
 impl<'a> From<&'a (Drive, StyleScore)> for TrainingDrive<'a> {
     fn from((drive, adb): &'a (Drive, StyleScore)) -> Self {
-        Self {
-            drive,
-            adb: Some(*adb),
-        }
+        Self { drive, adb: Some(*adb) }
     }
 }
 
@@ -36,15 +33,10 @@ pub(crate) fn check_drivers(
 ) -> Result<(), ModelError> {
     let mut participants = used.iter().map(|d| &d.drive.meta().participant);
     let Some(participant) = participants.next() else {
-        return Err(ModelError::NoDrives {
-            given,
-            excluded: warnings.len(),
-        });
+        return Err(ModelError::NoDrives { given, excluded: warnings.len() });
     };
     if participants.all(|p| p == participant) {
-        warnings.push(ModelWarning::OneDriver {
-            participant: participant.clone(),
-        });
+        warnings.push(ModelWarning::OneDriver { participant: participant.clone() });
     }
     Ok(())
 }
@@ -87,9 +79,7 @@ pub(crate) type Observe<'o> = dyn FnMut(&EpochReport) -> ControlFlow<()> + 'o;
 /// Tells how an epoch went.
 pub(crate) fn tell(observe: &mut Observe<'_>, report: &EpochReport) -> Result<(), ModelError> {
     if observe(report).is_break() {
-        return Err(ModelError::Cancelled {
-            epoch: report.epoch,
-        });
+        return Err(ModelError::Cancelled { epoch: report.epoch });
     }
     Ok(())
 }

@@ -230,18 +230,12 @@ pub enum ModelError {
 
 impl ModelError {
     pub(crate) fn bad_file(problem: impl Into<String>) -> Self {
-        Self::BadModelFile {
-            problem: problem.into(),
-        }
+        Self::BadModelFile { problem: problem.into() }
     }
 
     /// Refuses an embedding of `found` coordinates where `expected` are read.
     pub(crate) fn check_size(found: usize, expected: usize) -> Result<(), Self> {
-        if found == expected {
-            Ok(())
-        } else {
-            Err(Self::EmbeddingSize { found, expected })
-        }
+        if found == expected { Ok(()) } else { Err(Self::EmbeddingSize { found, expected }) }
     }
 
     /// The next step, where one is known.
@@ -265,10 +259,9 @@ impl ModelError {
                 "give scores of the model's own scale, or the study whose `[style]` says theirs, on which the model is then put",
             ),
             Self::Diverged { .. } => Some("lower `learning_rate` or `gradient_clip`"),
-            Self::OtherHeads {
-                expected: HeadsKind::Paper,
-                ..
-            } => Some("train with `--heads paper`"),
+            Self::OtherHeads { expected: HeadsKind::Paper, .. } => {
+                Some("train with `--heads paper`")
+            }
             Self::OtherHeads { .. } => Some("train with `--heads linear`"),
             Self::NotAModelFile
             | Self::OtherVersion { .. }

@@ -24,10 +24,8 @@ pub(crate) fn symmetric_eigen(matrix: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>)
 /// Σ f(λ) v vᵀ: a function of a symmetric matrix.
 pub(crate) fn of_symmetric(matrix: &DMatrix<f64>, f: impl Fn(f64) -> f64) -> DMatrix<f64> {
     let (values, vectors) = symmetric_eigen(matrix);
-    let scaled = DMatrix::from_diagonal(&DVector::from_iterator(
-        values.len(),
-        values.iter().map(|&v| f(v)),
-    ));
+    let scaled =
+        DMatrix::from_diagonal(&DVector::from_iterator(values.len(), values.iter().map(|&v| f(v))));
     &vectors * scaled * vectors.transpose()
 }
 
@@ -53,10 +51,7 @@ pub(crate) fn norm(a: &[f64]) -> f64 {
 /// aᵀ C a, C row by row.
 pub(crate) fn spread(a: &[f64], covariance: &[f64]) -> f64 {
     let lines = covariance.chunks_exact(a.len().max(1)).zip(a);
-    lines
-        .map(|(line, x)| dot(line, a) * x)
-        .sum::<f64>()
-        .max(0.0)
+    lines.map(|(line, x)| dot(line, a) * x).sum::<f64>().max(0.0)
 }
 
 #[cfg(test)]

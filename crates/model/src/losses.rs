@@ -114,9 +114,7 @@ impl LossTerms {
             self.mutual_information,
         ];
         let weighted = terms.iter().zip(weights.named());
-        weighted
-            .map(|(term, (_, weight))| weight * term.unwrap_or(0.0))
-            .sum()
+        weighted.map(|(term, (_, weight))| weight * term.unwrap_or(0.0)).sum()
     }
 }
 
@@ -213,11 +211,7 @@ pub(crate) fn cross_entropy(
     target: f32,
     c: f32,
 ) -> (f64, [f32; 2]) {
-    let against = f64::from(if target > 0.5 {
-        keep - change
-    } else {
-        change - keep
-    });
+    let against = f64::from(if target > 0.5 { keep - change } else { change - keep });
     let slope = c * (p - target);
     (surprise(against), [-slope, slope])
 }
@@ -375,11 +369,7 @@ mod tests {
                 };
                 slope(moved, at[i])
             };
-            for (found, i) in [
-                (gradient.mean, 0),
-                (gradient.log_sd, 1),
-                (gradient.embedding, 3),
-            ] {
+            for (found, i) in [(gradient.mean, 0), (gradient.log_sd, 1), (gradient.embedding, 3)] {
                 assert!((f64::from(found) - vary(i)).abs() < 3e-3, "{reading:?} {i}");
             }
         }

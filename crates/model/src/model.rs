@@ -21,9 +21,7 @@ impl FromStr for HeadsKind {
         match text {
             "linear" => Ok(Self::Linear),
             "paper" => Ok(Self::Paper),
-            _ => Err(ModelError::UnknownHeads {
-                found: text.to_owned(),
-            }),
+            _ => Err(ModelError::UnknownHeads { found: text.to_owned() }),
         }
     }
 }
@@ -100,9 +98,7 @@ impl TryFrom<ModelParts> for Model {
     fn try_from(parts: ModelParts) -> Result<Self, ModelError> {
         let d = parts.embedding_size;
         if d == 0 || parts.training.iter().any(|t| t.embedding.size() != d) {
-            return Err(ModelError::bad_file(
-                "a training embedding is of another size",
-            ));
+            return Err(ModelError::bad_file("a training embedding is of another size"));
         }
         match &parts.heads {
             Heads::Linear(linear) => {
@@ -118,10 +114,7 @@ impl TryFrom<ModelParts> for Model {
         let points = parts.training.iter().map(TrainingEmbedding::point);
         let mean = points.fold(DVector::zeros(d), |sum, p| sum + p) / n;
         let mean_embedding = Embedding::new(mean.iter().copied().collect())?;
-        Ok(Self {
-            parts,
-            mean_embedding,
-        })
+        Ok(Self { parts, mean_embedding })
     }
 }
 
@@ -177,10 +170,9 @@ impl Model {
     pub fn linear(&self) -> Result<&LinearHeads, ModelError> {
         match self.heads() {
             Heads::Linear(linear) => Ok(linear),
-            Heads::Paper(_) => Err(ModelError::OtherHeads {
-                found: HeadsKind::Paper,
-                expected: HeadsKind::Linear,
-            }),
+            Heads::Paper(_) => {
+                Err(ModelError::OtherHeads { found: HeadsKind::Paper, expected: HeadsKind::Linear })
+            }
         }
     }
 
@@ -191,10 +183,9 @@ impl Model {
     pub fn paper(&self) -> Result<&PaperNetworks, ModelError> {
         match self.heads() {
             Heads::Paper(paper) => Ok(paper),
-            Heads::Linear(_) => Err(ModelError::OtherHeads {
-                found: HeadsKind::Linear,
-                expected: HeadsKind::Paper,
-            }),
+            Heads::Linear(_) => {
+                Err(ModelError::OtherHeads { found: HeadsKind::Linear, expected: HeadsKind::Paper })
+            }
         }
     }
 
@@ -226,10 +217,7 @@ impl Model {
 
     fn without_draws(&self) -> ModelParts {
         let mut parts = self.parts.clone();
-        if let Heads::Linear(LinearHeads {
-            style: Some(style), ..
-        }) = &mut parts.heads
-        {
+        if let Heads::Linear(LinearHeads { style: Some(style), .. }) = &mut parts.heads {
             style.covariance.clear();
         }
         parts
@@ -261,18 +249,12 @@ impl Model {
 
     /// The training embeddings as points.
     pub(crate) fn points(&self) -> Vec<DVector<f64>> {
-        self.training()
-            .iter()
-            .map(TrainingEmbedding::point)
-            .collect()
+        self.training().iter().map(TrainingEmbedding::point).collect()
     }
 
     /// Distance from the mean of the training embeddings.
     pub(crate) fn distance_from_mean(&self, embedding: &Embedding) -> f64 {
-        let pairs = embedding
-            .coordinates()
-            .iter()
-            .zip(self.mean_embedding().coordinates());
+        let pairs = embedding.coordinates().iter().zip(self.mean_embedding().coordinates());
         pairs.map(|(x, m)| (x - m).powi(2)).sum::<f64>().sqrt()
     }
 
@@ -301,10 +283,7 @@ impl Habits {
         model.check(embedding)?;
         let w = embedding.coordinates();
         let own_heads = linear.heads.iter().map(|fitted| OwnHead::new(fitted, w));
-        Ok(Self {
-            own: own_heads.collect(),
-            posted: *model.posted(),
-        })
+        Ok(Self { own: own_heads.collect(), posted: *model.posted() })
     }
 
     fn say(&self, which: usize, reads: &[f64]) -> Option<f64> {

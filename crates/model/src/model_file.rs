@@ -24,11 +24,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 /// [`ModelError::BadModelFile`] if the model cannot be written, which no model that exists should cause.
 pub fn to_bytes(model: &Model) -> Result<Vec<u8>, ModelError> {
     let body = serde_json::to_vec(model).map_err(|e| ModelError::bad_file(e.to_string()))?;
-    let header = format!(
-        "{MAGIC} {VERSION} {} {:016x}\n",
-        body.len(),
-        checksum(&body)
-    );
+    let header = format!("{MAGIC} {VERSION} {} {:016x}\n", body.len(), checksum(&body));
     Ok([header.as_bytes(), &body].concat())
 }
 
@@ -50,10 +46,7 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
         _ => return Err(ModelError::NotAModelFile),
     };
     if version != VERSION {
-        return Err(ModelError::OtherVersion {
-            found: version,
-            expected: VERSION,
-        });
+        return Err(ModelError::OtherVersion { found: version, expected: VERSION });
     }
     let [length, sum] = rest else {
         return Err(ModelError::NotAModelFile);
@@ -61,18 +54,12 @@ pub fn from_bytes(bytes: &[u8]) -> Result<Model, ModelError> {
     let expected: usize = length.parse().map_err(|_| ModelError::NotAModelFile)?;
     let body = &bytes[end + 1..];
     if body.len() != expected {
-        return Err(ModelError::WrongLength {
-            found: body.len(),
-            expected,
-        });
+        return Err(ModelError::WrongLength { found: body.len(), expected });
     }
     let expected = u64::from_str_radix(sum, 16).map_err(|_| ModelError::NotAModelFile)?;
     let computed = checksum(body);
     if computed != expected {
-        return Err(ModelError::Damaged {
-            found: computed,
-            expected,
-        });
+        return Err(ModelError::Damaged { found: computed, expected });
     }
     serde_json::from_slice(body).map_err(|e| ModelError::bad_file(e.to_string()))
 }
@@ -121,17 +108,11 @@ mod tests {
             Err(ModelError::OtherVersion { found: 1, .. })
         ));
         let end = bytes.len() - 1;
-        assert!(matches!(
-            from_bytes(&bytes[..end]),
-            Err(ModelError::WrongLength { .. })
-        ));
+        assert!(matches!(from_bytes(&bytes[..end]), Err(ModelError::WrongLength { .. })));
         let mut bad = bytes.clone();
         bad[end] ^= 1;
         assert!(matches!(from_bytes(&bad), Err(ModelError::Damaged { .. })));
-        assert!(matches!(
-            from_bytes(b"PK\x03\x04"),
-            Err(ModelError::NotAModelFile)
-        ));
+        assert!(matches!(from_bytes(b"PK\x03\x04"), Err(ModelError::NotAModelFile)));
     }
 
     #[test]
@@ -140,11 +121,8 @@ mod tests {
         let text = String::from_utf8(bytes).unwrap();
         let (_, body) = text.split_once('\n').unwrap();
         let body = body.replacen("\"hidden_units\":6", "\"hidden_units\":7", 1);
-        let header = format!(
-            "{MAGIC} {VERSION} {} {:016x}\n",
-            body.len(),
-            checksum(body.as_bytes())
-        );
+        let header =
+            format!("{MAGIC} {VERSION} {} {:016x}\n", body.len(), checksum(body.as_bytes()));
         let error = from_bytes(format!("{header}{body}").as_bytes()).unwrap_err();
         assert!(error.to_string().contains("sizes"), "{error}");
     }

@@ -33,12 +33,7 @@ impl Architecture {
     pub fn operations_per_row(&self) -> f64 {
         let networks = Networks::new(*self);
         let weights = |layer: &Dense| layer.inputs * layer.outputs;
-        let weight_count: usize = networks
-            .all()
-            .iter()
-            .flat_map(|m| m.iter())
-            .map(weights)
-            .sum();
+        let weight_count: usize = networks.all().iter().flat_map(|m| m.iter()).map(weights).sum();
         let free = weights(&networks.lane_encoder[0]) + weights(&networks.speed_encoder[0]);
         (6 * weight_count - 2 * free) as f64
     }
@@ -77,11 +72,7 @@ pub(crate) type Mlp = Vec<Dense>;
 /// Layers between consecutive `sizes`, their parameters from `*offset` on; moves `*offset` past them.
 fn layers(offset: &mut usize, sizes: &[usize]) -> Mlp {
     let layer = |pair: &[usize]| {
-        let layer = Dense {
-            inputs: pair[0],
-            outputs: pair[1],
-            offset: *offset,
-        };
+        let layer = Dense { inputs: pair[0], outputs: pair[1], offset: *offset };
         *offset = layer.end();
         layer
     };

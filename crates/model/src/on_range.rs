@@ -47,9 +47,7 @@ impl Model {
         let a_point = range.width() / learned.width();
         let there = |points: f64| learned.onto(range, points);
         match &mut self.parts.heads {
-            Heads::Linear(LinearHeads {
-                style: Some(style), ..
-            }) => {
+            Heads::Linear(LinearHeads { style: Some(style), .. }) => {
                 style.gradient.iter_mut().for_each(|g| *g *= a_point);
                 let square = a_point * a_point;
                 style.covariance.iter_mut().for_each(|c| *c *= square);
@@ -107,11 +105,7 @@ mod tests {
     fn is_stretched(own: &StyleHead, adb: &StyleHead) {
         let square = 8.8 * 8.8;
         is_scaled(adb.reading_sd, own.reading_sd, 8.8);
-        is_scaled(
-            adb.cross_fitted_rmse.unwrap(),
-            own.cross_fitted_rmse.unwrap(),
-            8.8,
-        );
+        is_scaled(adb.cross_fitted_rmse.unwrap(), own.cross_fitted_rmse.unwrap(), 8.8);
         assert_eq!(adb.cross_fitted_r, own.cross_fitted_r);
         let d = own.gradient.len();
         let both = [own, adb].map(|style| &style.covariance);
@@ -172,12 +166,7 @@ mod tests {
             // A point of the one is 8.8 of the other.
             let turned = [(0, 0.5), (1, 4.4)].map(|(i, by)| axes[i].shift(embedding, by).unwrap());
             let both = turned.each_ref().map(|moved| moved.embedding.coordinates());
-            assert!(
-                both[0]
-                    .iter()
-                    .zip(both[1])
-                    .all(|(a, b)| (a - b).abs() < 1e-9)
-            );
+            assert!(both[0].iter().zip(both[1]).all(|(a, b)| (a - b).abs() < 1e-9));
         }
     }
 
@@ -187,10 +176,7 @@ mod tests {
         let settings = TrainSettings::default();
         let model = trained(&people, &settings);
         let (drive, adb) = drivers_apart(1, 240.0).remove(0);
-        let other = ModelError::OtherScale {
-            found: ScoreRange::ADB,
-            expected: risky(),
-        };
+        let other = ModelError::OtherScale { found: ScoreRange::ADB, expected: risky() };
         let refused = personalize(&model, &drive, Some(adb)).unwrap_err();
         assert_eq!(refused, other);
         assert!(personalize(&model, &drive, None).is_ok());
@@ -198,20 +184,11 @@ mod tests {
         let given: Vec<TrainingDrive<'_>> = people.iter().map(TrainingDrive::from).collect();
         assert_eq!(range_of(&given), Err(other.clone()));
         let go_on = &mut |_: &_| std::ops::ControlFlow::Continue(());
-        assert_eq!(
-            crate::train(&given[1..], &settings, 1, go_on).err(),
-            Some(other)
-        );
+        assert_eq!(crate::train(&given[1..], &settings, 1, go_on).err(), Some(other));
         let adb = model.on_range(ScoreRange::ADB);
         let twice = given.windows(2).map(|both| [both[0].drive, both[1].drive]);
         let twice: Vec<_> = twice.collect();
-        let other = ModelError::OtherScale {
-            found: risky(),
-            expected: ScoreRange::ADB,
-        };
-        assert_eq!(
-            learn_days(&adb, &given[..6], 1.0, &twice, 1).err(),
-            Some(other)
-        );
+        let other = ModelError::OtherScale { found: risky(), expected: ScoreRange::ADB };
+        assert_eq!(learn_days(&adb, &given[..6], 1.0, &twice, 1).err(), Some(other));
     }
 }

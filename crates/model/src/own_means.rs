@@ -17,9 +17,7 @@ fn gaps(rows: &[Row]) -> impl Iterator<Item = f64> + '_ {
 
 /// Time gap over following rows, in s.
 fn time_gap(rows: &[Row]) -> Option<f64> {
-    let pairs = rows
-        .iter()
-        .filter_map(|r| Some((r.following_distance_m?, r.lead_speed_mps)));
+    let pairs = rows.iter().filter_map(|r| Some((r.following_distance_m?, r.lead_speed_mps)));
     mean(pairs.filter(|(_, v)| *v > 1.0).map(|(gap, v)| gap / v))
 }
 
@@ -71,9 +69,6 @@ impl OwnMeans {
     /// What the mean time gap of `known` rows, times the lead's speed, says of a row.
     pub(crate) fn by_time_gap(&self, known: &[Row], row: &Row) -> Said {
         let gap_s = time_gap(known).or(self.time_gap_s);
-        Said {
-            following_distance_m: gap_s.map(|s| s * row.lead_speed_mps),
-            ..Said::default()
-        }
+        Said { following_distance_m: gap_s.map(|s| s * row.lead_speed_mps), ..Said::default() }
     }
 }

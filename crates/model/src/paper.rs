@@ -53,11 +53,7 @@ pub struct PaperNetworks {
 impl PaperNetworks {
     /// Whether its parts belong together, and to embeddings of that size.
     pub(crate) fn check(&self, d: usize) -> Result<(), ModelError> {
-        let Scaling {
-            signals: [ego, lead, dx, dy],
-            following_distance,
-            aggression,
-        } = self.scaling;
+        let Scaling { signals: [ego, lead, dx, dy], following_distance, aggression } = self.scaling;
         let usable = |s: &Standardization| s.mean.is_finite() && s.sd.is_normal() && s.sd > 0.0;
         let scales = [ego, lead, dx, dy, following_distance, aggression];
         let [low, high] = self.speed_range_mps;
@@ -84,26 +80,16 @@ impl PaperNetworks {
     }
 
     pub(crate) fn row_settings(&self) -> RowSettings {
-        RowSettings {
-            row_rate_hz: self.row_rate_hz,
-            windows: self.windows,
-        }
+        RowSettings { row_rate_hz: self.row_rate_hz, windows: self.windows }
     }
 
     /// S as slopes and level in points of the score, of whitened embeddings.
     pub(crate) fn style_points(&self) -> (Vec<f64>, f64) {
         let layer = self.networks().style[0];
-        let raw: Vec<f64> = layer
-            .weights(&self.parameters)
-            .iter()
-            .map(|&w| f64::from(w))
-            .collect();
+        let raw: Vec<f64> = layer.weights(&self.parameters).iter().map(|&w| f64::from(w)).collect();
         let level = f64::from(layer.biases(&self.parameters)[0]);
         let zero = self.whitening.undo(&vec![0.0; raw.len()]);
-        let offset = self
-            .scaling
-            .aggression
-            .undo(level + dot(&raw, zero.as_slice()));
+        let offset = self.scaling.aggression.undo(level + dot(&raw, zero.as_slice()));
         let gradient = self.whitening.root() * DVector::from_vec(raw) * self.scaling.aggression.sd;
         (gradient.iter().copied().collect(), offset)
     }

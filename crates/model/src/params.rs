@@ -113,10 +113,7 @@ impl TrainSettings {
     }
 
     pub(crate) fn row_settings(&self) -> RowSettings {
-        RowSettings {
-            row_rate_hz: self.row_rate_hz,
-            windows: self.windows(),
-        }
+        RowSettings { row_rate_hz: self.row_rate_hz, windows: self.windows() }
     }
 
     /// Length and rate of a window.
@@ -142,12 +139,7 @@ impl TrainSettings {
             ("encoding_size", s.encoding_size, 4096, "1 to 4096"),
             ("epochs", s.epochs, 1_000_000, "1 to 1000000"),
             ("batch_size", s.batch_size, 1_000_000, "1 to 1000000"),
-            (
-                "window_s",
-                s.windows().steps(),
-                1000,
-                "a length of 1 to 1000 samples",
-            ),
+            ("window_s", s.windows().steps(), 1000, "a length of 1 to 1000 samples"),
         ] {
             check(name, value as f64, (1..=most).contains(&value), expected)?;
         }
@@ -171,12 +163,7 @@ impl TrainSettings {
         }
         share("fit_fraction", s.fit_fraction)?;
         let kept_back = s.validation_fraction;
-        check(
-            "validation_fraction",
-            kept_back,
-            (0.0..=0.5).contains(&kept_back),
-            "0 to 0.5",
-        )?;
+        check("validation_fraction", kept_back, (0.0..=0.5).contains(&kept_back), "0 to 0.5")?;
         check(
             "patience",
             s.patience as f64,
@@ -196,11 +183,7 @@ pub(crate) fn check(
     if value.is_finite() && fits {
         Ok(())
     } else {
-        Err(ModelError::BadSetting {
-            name,
-            found: value,
-            expected,
-        })
+        Err(ModelError::BadSetting { name, found: value, expected })
     }
 }
 

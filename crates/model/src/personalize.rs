@@ -48,11 +48,7 @@ impl Personalized {
     pub fn standard_error(&self) -> Option<Vec<f64>> {
         let d = self.embedding.size();
         let covariance = self.covariance.as_ref()?;
-        Some(
-            (0..d)
-                .map(|i| covariance[i * d + i].max(0.0).sqrt())
-                .collect(),
-        )
+        Some((0..d).map(|i| covariance[i * d + i].max(0.0).sqrt()).collect())
     }
 
     /// SD of the style's projection on `direction`, of any length but 0.
@@ -105,10 +101,7 @@ impl<'a> Personalizer<'a> {
     /// [`ModelError::BadSetting`] for a share that is not above 0, up to 1.
     pub fn of_first(model: &'a Model, share_of_drive: f64) -> Result<Self, ModelError> {
         share("fit_fraction", share_of_drive)?;
-        Ok(Self {
-            model,
-            share: share_of_drive,
-        })
+        Ok(Self { model, share: share_of_drive })
     }
 
     /// The model it solves with.
@@ -169,10 +162,7 @@ impl<'a> Personalizer<'a> {
                 let score = points.zip(linear.style.as_ref());
                 let solved = |score| solve(&linear.heads, events, score, d, None).style(d);
                 let person = days.and_then(|days| days.of_person(&solved(None), score));
-                (
-                    person.unwrap_or_else(|| solved(score)),
-                    events.iter().map(Vec::len).sum(),
-                )
+                (person.unwrap_or_else(|| solved(score)), events.iter().map(Vec::len).sum())
             }
             Shown::Rows(rows) => {
                 let mut rows = NetworkRows::new(self.model.paper()?, rows, points);
@@ -219,10 +209,8 @@ impl<'a> Personalizer<'a> {
             }
             (Heads::Paper(paper), Shown::Rows(rows)) => {
                 let (sums, _) = NetworkRows::new(paper, rows, None).say(w);
-                let predictions = LossTerms {
-                    mutual_information: None,
-                    ..sums.terms(None, w.len())
-                };
+                let predictions =
+                    LossTerms { mutual_information: None, ..sums.terms(None, w.len()) };
                 Some(predictions.total(&paper.loss_weights))
             }
             _ => None,

@@ -28,9 +28,7 @@ impl FromStr for FreeSpeed {
         match text {
             "absolute" => Ok(Self::Absolute),
             "posted" => Ok(Self::Posted),
-            _ => Err(ModelError::UnknownFreeSpeed {
-                found: text.to_owned(),
-            }),
+            _ => Err(ModelError::UnknownFreeSpeed { found: text.to_owned() }),
         }
     }
 }
@@ -64,12 +62,7 @@ impl Posted {
         } else {
             lowest_mps
         };
-        Some(Self {
-            free_speed,
-            lowest_mps,
-            highest_mps,
-            mean_mps,
-        })
+        Some(Self { free_speed, lowest_mps, highest_mps, mean_mps })
     }
 
     /// What a free speed on a road with this limit is multiplied with to be read.
@@ -94,9 +87,7 @@ impl Posted {
         {
             return Ok(());
         }
-        Err(ModelError::bad_file(
-            "the limits learned from are no speeds",
-        ))
+        Err(ModelError::bad_file("the limits learned from are no speeds"))
     }
 }
 
@@ -118,25 +109,15 @@ mod tests {
     fn a_free_speed_is_read_absolutely_or_beside_what_is_posted() {
         let drives = drivers_apart(10, 300.0);
         let learn = |free_speed| {
-            let settings = TrainSettings {
-                heads: HeadsKind::Linear,
-                free_speed,
-                ..TrainSettings::default()
-            };
+            let settings =
+                TrainSettings { heads: HeadsKind::Linear, free_speed, ..TrainSettings::default() };
             trained(&drives, &settings)
         };
         let [absolute, relative] = [FreeSpeed::Absolute, FreeSpeed::Posted].map(learn);
         let limit = Road::PAPER.posted_speed_mps;
-        let driver = Drives {
-            speed_mps: 29.0,
-            time_gap_s: 1.5,
-            passes: true,
-        };
+        let driver = Drives { speed_mps: 29.0, time_gap_s: 1.5, passes: true };
         let at = |posted_speed_mps: f64| {
-            let road = Road {
-                posted_speed_mps,
-                ..Road::PAPER
-            };
+            let road = Road { posted_speed_mps, ..Road::PAPER };
             drive_apart_on(road, "new", &driver, 300.0)
         };
         let (here, other) = (at(limit), at(1.1 * limit));
@@ -171,20 +152,13 @@ mod tests {
             highest_mps: 27.78,
             mean_mps: 26.0,
         };
-        for (limit, unseen) in [
-            (24.44, false),
-            (26.0, false),
-            (28.0, false),
-            (33.33, true),
-            (13.9, true),
-        ] {
+        for (limit, unseen) in
+            [(24.44, false), (26.0, false), (28.0, false), (33.33, true), (13.9, true)]
+        {
             assert_eq!(posted.unseen(limit), unseen, "{limit}");
         }
         assert!(posted.check().is_ok());
-        let bad = Posted {
-            lowest_mps: 0.0,
-            ..posted
-        };
+        let bad = Posted { lowest_mps: 0.0, ..posted };
         assert!(bad.check().is_err());
     }
 }

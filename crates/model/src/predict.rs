@@ -113,18 +113,14 @@ impl Predictor {
         }
         let signals = window.values().chunks_exact(found);
         let signals = signals.zip(&self.scaling.signals);
-        let input: Vec<f32> = signals
-            .flat_map(|(values, s)| values.iter().map(|&v| s.apply(v) as f32))
-            .collect();
+        let input: Vec<f32> =
+            signals.flat_map(|(values, s)| values.iter().map(|&v| s.apply(v) as f32)).collect();
         let read = (SIGNALS - 1) * found;
         let code = self.lane_encoder.run(&input[..read], &[]);
         let logits = self.lane_head.run(&self.w, code.as_slice());
         let log_odds = f64::from(logits[1]) - f64::from(logits[0]) - self.log_odds_raised;
-        let change_probability = if self.learned.lane_change {
-            1.0 / (1.0 + libm::exp(-log_odds))
-        } else {
-            0.0
-        };
+        let change_probability =
+            if self.learned.lane_change { 1.0 / (1.0 + libm::exp(-log_odds)) } else { 0.0 };
         let code = self.speed_encoder.run(&input[input.len() - read..], &[]);
         let speed = f64::from(self.speed_head.run(&self.w, code.as_slice())[0]);
         let [low, high] = self.speed_range_mps;
@@ -144,11 +140,7 @@ impl Predictor {
         let lead = self.scaling.signals[1].apply(lead_speed_mps) as f32;
         let out = f64::from(self.following.run(&self.w, &[lead])[0]);
         let distance = self.scaling.following_distance.undo(out);
-        if distance.is_finite() {
-            distance.max(0.0)
-        } else {
-            0.0
-        }
+        if distance.is_finite() { distance.max(0.0) } else { 0.0 }
     }
 }
 
@@ -212,21 +204,13 @@ mod tests {
         let drives = drivers(2, 40.0);
         let model = trained(&drives, 1);
         let wrong = Embedding::new(vec![0.0; 2]).unwrap();
-        assert!(matches!(
-            Predictor::new(&model, &wrong),
-            Err(ModelError::EmbeddingSize { .. })
-        ));
+        assert!(matches!(Predictor::new(&model, &wrong), Err(ModelError::EmbeddingSize { .. })));
         let predictor = Predictor::new(&model, model.mean_embedding()).unwrap();
         let window = model.paper().unwrap().window_buffer();
         assert_eq!(predictor.predict(&window), Err(ModelError::EmptyWindow));
-        let mut window = WindowBuffer::new(WindowSettings {
-            window_s: 2.0,
-            ..WindowSettings::default()
-        });
+        let mut window =
+            WindowBuffer::new(WindowSettings { window_s: 2.0, ..WindowSettings::default() });
         window.push(&drives[0].0.situation(0).unwrap()).unwrap();
-        assert!(matches!(
-            predictor.predict(&window),
-            Err(ModelError::WindowLength { .. })
-        ));
+        assert!(matches!(predictor.predict(&window), Err(ModelError::WindowLength { .. })));
     }
 }

@@ -118,11 +118,7 @@ impl Calibration {
             bin.predicted /= bin.seconds;
             bin.observed /= bin.seconds;
         }
-        (total > 0.0).then_some(Self {
-            expected_calibration_error: error,
-            observed,
-            bins,
-        })
+        (total > 0.0).then_some(Self { expected_calibration_error: error, observed, bins })
     }
 }
 
@@ -176,20 +172,12 @@ mod tests {
     #[test]
     fn time_counts_and_not_rows() {
         // Nineteen twentieths of a second with a change against nine seconds without.
-        let chance = |change: bool, seconds: f64| Chance {
-            probability: 0.1,
-            change,
-            seconds,
-        };
+        let chance = |change: bool, seconds: f64| Chance { probability: 0.1, change, seconds };
         let mut chances = vec![chance(true, 0.05); 20];
         chances.extend(vec![chance(false, 1.0); 9]);
         let found = Calibration::from_chances(chances).unwrap();
         assert!((found.observed - 0.1).abs() < 1e-12);
-        let predicted = found
-            .bins
-            .iter()
-            .map(|b| b.predicted * b.seconds)
-            .sum::<f64>();
+        let predicted = found.bins.iter().map(|b| b.predicted * b.seconds).sum::<f64>();
         assert!((predicted - 1.0).abs() < 1e-12);
     }
 
@@ -214,12 +202,8 @@ mod tests {
             lane_change: Some(false),
             stands_for_s: 1.0,
         };
-        let weights = RowWeights {
-            following: 1.0,
-            changing: 1.0,
-            keeping: 1.0,
-            log_odds_raised: 3.0,
-        };
+        let weights =
+            RowWeights { following: 1.0, changing: 1.0, keeping: 1.0, log_odds_raised: 3.0 };
         let said = Said {
             following_distance_m: Some(43.0),
             log_odds: Some((0.02_f64 / 0.98).ln() + 3.0),

@@ -74,11 +74,7 @@ pub(crate) fn rows_of(
         buffer.push(&situation)?;
         let on_grid = time + 0.5 * row_s >= due;
         if on_grid {
-            due = if due.is_finite() {
-                due + grid_s
-            } else {
-                time + grid_s
-            };
+            due = if due.is_finite() { due + grid_s } else { time + grid_s };
         }
         let starting = columns.lane_change[row];
         if !(on_grid || starting) {
@@ -104,15 +100,13 @@ pub(crate) fn rows_of(
 /// The warning that a drive without rows becomes where other drives go on.
 pub(crate) fn left_out(error: &ModelError) -> Option<ModelWarning> {
     match error {
-        ModelError::DriveTooShort {
-            drive,
-            found_s,
-            expected_s,
-        } => Some(ModelWarning::DriveLeftOut {
-            drive: drive.clone(),
-            found_s: *found_s,
-            expected_s: *expected_s,
-        }),
+        ModelError::DriveTooShort { drive, found_s, expected_s } => {
+            Some(ModelWarning::DriveLeftOut {
+                drive: drive.clone(),
+                found_s: *found_s,
+                expected_s: *expected_s,
+            })
+        }
         _ => None,
     }
 }
@@ -152,11 +146,7 @@ impl RowWeights {
             following: share(following, grid),
             changing: share(counts[1], half),
             keeping: share(counts[0], half),
-            log_odds_raised: if both {
-                libm::log(seconds[0] / seconds[1])
-            } else {
-                0.0
-            },
+            log_odds_raised: if both { libm::log(seconds[0] / seconds[1]) } else { 0.0 },
         }
     }
 
@@ -185,10 +175,7 @@ mod tests {
     use crate::test_drives::{RATE_HZ, drivers};
 
     fn settings() -> RowSettings {
-        RowSettings {
-            row_rate_hz: 1.0,
-            windows: WindowSettings::default(),
-        }
+        RowSettings { row_rate_hz: 1.0, windows: WindowSettings::default() }
     }
 
     #[test]
@@ -243,10 +230,8 @@ mod tests {
     #[test]
     fn weights_make_means_of_the_rows_each_loss_concerns() {
         let drives = drivers(3, 120.0);
-        let rows: Vec<Row> = drives
-            .iter()
-            .flat_map(|(d, _)| rows_of(d, &settings(), 1.0).unwrap())
-            .collect();
+        let rows: Vec<Row> =
+            drives.iter().flat_map(|(d, _)| rows_of(d, &settings(), 1.0).unwrap()).collect();
         let weights = RowWeights::from_rows(rows.iter());
         let sum = |i: usize| rows.iter().map(|r| weights.of_row(r)[i]).sum::<f64>();
         for loss in 1..4 {

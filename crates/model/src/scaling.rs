@@ -23,11 +23,7 @@ impl Standardization {
         let variance = values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / n;
         // Rounding alone must not be blown up to unit variance.
         let least = 1e-6 * (1.0 + mean.abs());
-        let sd = if variance.sqrt() > least {
-            variance.sqrt()
-        } else {
-            1.0
-        };
+        let sd = if variance.sqrt() > least { variance.sqrt() } else { 1.0 };
         Self { mean, sd }
     }
 

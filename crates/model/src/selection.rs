@@ -56,18 +56,14 @@ pub(crate) fn select(
     }
     let kept = (settings.validation_fraction * people.len() as f64).round() as usize;
     people.truncate(kept.max(1));
-    let (kept, seen): (Vec<_>, Vec<_>) = drives
-        .iter()
-        .partition(|d| people.contains(&&d.drive.meta().participant));
+    let (kept, seen): (Vec<_>, Vec<_>) =
+        drives.iter().partition(|d| people.contains(&&d.drive.meta().participant));
     let seen: Vec<TrainingDrive<'_>> = seen.into_iter().copied().collect();
     let rows = |d: &&TrainingDrive<'_>| {
         rows_of(d.drive, &settings.row_settings(), settings.fit_fraction).ok()
     };
     let rows_of_kept: Vec<Vec<Row>> = kept.iter().filter_map(rows).collect();
-    let judged: Vec<_> = rows_of_kept
-        .iter()
-        .filter_map(|rows| cut(rows, KNOWN))
-        .collect();
+    let judged: Vec<_> = rows_of_kept.iter().filter_map(|rows| cut(rows, KNOWN)).collect();
     let data = match Data::new(&seen, settings) {
         Ok(data) if !judged.is_empty() => data,
         // Who is left is too short to learn from, or to be judged by.
@@ -94,9 +90,7 @@ pub(crate) fn select(
     }
     let unseen = || judged.iter().flat_map(|(_, unseen)| *unseen);
     let means = OwnMeans::learn(&data.rows_of_each, &data.row_weights);
-    let predicted = judged
-        .iter()
-        .flat_map(|(known, unseen)| vec![means.say(known); unseen.len()]);
+    let predicted = judged.iter().flat_map(|(known, unseen)| vec![means.say(known); unseen.len()]);
     let weights = &data.row_weights;
     let own_means = HeldOut::from_predictions(predicted.zip(unseen()), weights);
     let best: Vec<(Said, &Row)> = best.into_iter().zip(unseen()).collect();

@@ -38,9 +38,7 @@ pub fn train(
     let mut seen = BTreeSet::new();
     for drive in drives.iter().map(|d| &d.drive.meta().drive) {
         if !seen.insert(drive) {
-            return Err(ModelError::DuplicateDrive {
-                drive: drive.clone(),
-            });
+            return Err(ModelError::DuplicateDrive { drive: drive.clone() });
         }
     }
     match settings.heads {
@@ -98,17 +96,11 @@ fn train_networks(
 fn quality(model: &Model, data: &Data) -> Result<Quality, ModelError> {
     let paper = model.paper()?;
     let each = model.training().par_iter().zip(&data.rows_of_each);
-    let predictions = each.map(|(t, rows)| {
-        NetworkRows::new(paper, rows, None)
-            .say(t.embedding.coordinates())
-            .1
-    });
+    let predictions =
+        each.map(|(t, rows)| NetworkRows::new(paper, rows, None).say(t.embedding.coordinates()).1);
     let predictions: Vec<Vec<_>> = predictions.collect();
-    let predictions: Vec<_> = predictions
-        .into_iter()
-        .flatten()
-        .zip(data.rows_of_each.iter().flatten())
-        .collect();
+    let predictions: Vec<_> =
+        predictions.into_iter().flatten().zip(data.rows_of_each.iter().flatten()).collect();
     Ok(Quality::from_predictions(&predictions, &data.row_weights))
 }
 

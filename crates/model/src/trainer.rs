@@ -123,9 +123,8 @@ impl<'a> Trainer<'a> {
         let (data, settings) = (self.data, self.settings);
         let d = settings.embedding_size;
         let raw = self.embeddings.chunks_exact(d);
-        let raw: Vec<DVector<f64>> = raw
-            .map(|w| DVector::from_iterator(d, w.iter().map(|&x| f64::from(x))))
-            .collect();
+        let raw: Vec<DVector<f64>> =
+            raw.map(|w| DVector::from_iterator(d, w.iter().map(|&x| f64::from(x)))).collect();
         let (whitening, white) = Whitening::from_embeddings(&raw, d);
         let mut training = Vec::with_capacity(white.len());
         for ((drive, w), &mean_speed_mps) in
@@ -232,8 +231,7 @@ impl<'a> Trainer<'a> {
         let rates = [settings.learning_rate, settings.embedding_learning_rate];
         let [by_weight, by_w] = rates.map(|r| r * rate);
         self.adam.step(&mut self.packed, gradient, clip, by_weight);
-        self.embedding_adam
-            .step(&mut self.embeddings, by_embedding, clip, by_w);
+        self.embedding_adam.step(&mut self.embeddings, by_embedding, clip, by_w);
         (sums, l4)
     }
 
@@ -242,10 +240,8 @@ impl<'a> Trainer<'a> {
         let layer = &self.kernel.layout.style[0];
         let d = self.settings.embedding_size;
         let layer_weights = layer.embedding_weights(&self.packed);
-        let mut parameters: Vec<f32> = layer_weights
-            .chunks_exact(layer.width)
-            .map(|l| l[0])
-            .collect();
+        let mut parameters: Vec<f32> =
+            layer_weights.chunks_exact(layer.width).map(|l| l[0]).collect();
         parameters.push(layer.biases(&self.packed)[0]);
         let mut gradient = vec![0.0; d + 1];
         let l4 = aggression(

@@ -30,16 +30,9 @@ impl Whitening {
         d: usize,
     ) -> (Self, Vec<DVector<f64>>) {
         let (mean, covariance) = moments(embeddings, d);
-        let largest = covariance
-            .symmetric_eigenvalues()
-            .max()
-            .max(f64::MIN_POSITIVE);
+        let largest = covariance.symmetric_eigenvalues().max().max(f64::MIN_POSITIVE);
         let sd = |v: f64| {
-            if v > LEAST_VARIANCE * largest {
-                v.sqrt()
-            } else {
-                1.0
-            }
+            if v > LEAST_VARIANCE * largest { v.sqrt() } else { 1.0 }
         };
         let inverse = of_symmetric(&covariance, |v| 1.0 / sd(v));
         let white = embeddings.iter().map(|w| &inverse * (w - &mean)).collect();

@@ -29,11 +29,7 @@ pub struct WindowSettings {
 
 impl Default for WindowSettings {
     fn default() -> Self {
-        Self {
-            window_s: 4.0,
-            window_rate_hz: 5.0,
-            gap_scale_m: Some(20.0),
-        }
+        Self { window_s: 4.0, window_rate_hz: 5.0, gap_scale_m: Some(20.0) }
     }
 }
 
@@ -50,12 +46,7 @@ impl WindowSettings {
             Some(scale) => libm::asinh(reference.dx_m / scale),
             None => reference.dx_m,
         };
-        [
-            situation.ego_speed_mps,
-            reference.speed_mps,
-            gap,
-            reference.dy_m,
-        ]
+        [situation.ego_speed_mps, reference.speed_mps, gap, reference.dy_m]
     }
 }
 
@@ -93,10 +84,7 @@ pub struct WindowBuffer {
 impl WindowBuffer {
     /// An empty buffer.
     pub fn new(settings: WindowSettings) -> Self {
-        Self {
-            settings,
-            samples: VecDeque::new(),
-        }
+        Self { settings, samples: VecDeque::new() }
     }
 
     /// Forgets everything: a new drive, or a hole in this one.
@@ -111,13 +99,7 @@ impl WindowBuffer {
     pub fn push(&mut self, situation: &Situation) -> Result<(), ModelError> {
         let time = situation.time_s;
         let values = self.settings.signals(situation);
-        let names = [
-            "ego_speed_mps",
-            "lead_speed_mps",
-            "lead_dx_m",
-            "lead_dy_m",
-            "time_s",
-        ];
+        let names = ["ego_speed_mps", "lead_speed_mps", "lead_dx_m", "lead_dy_m", "time_s"];
         for (signal, found) in names.into_iter().zip(values.into_iter().chain([time])) {
             if !found.is_finite() {
                 return Err(ModelError::NotFinite { signal, found });
@@ -126,10 +108,7 @@ impl WindowBuffer {
         if let Some(&(last_s, _)) = self.samples.back()
             && time <= last_s
         {
-            return Err(ModelError::TimeNotIncreasing {
-                found_s: time,
-                last_s,
-            });
+            return Err(ModelError::TimeNotIncreasing { found_s: time, last_s });
         }
         self.samples.push_back((time, values));
         let span = self.settings.steps().saturating_sub(1) as f64 / self.settings.window_rate_hz;
@@ -213,11 +192,7 @@ mod tests {
     #[test]
     fn before_the_start_the_first_value_is_repeated() {
         let window = fed(20.0, 1.0).window().unwrap();
-        assert!(
-            window.values()[..15]
-                .iter()
-                .all(|v| (v - 20.0).abs() < 1e-9)
-        );
+        assert!(window.values()[..15].iter().all(|v| (v - 20.0).abs() < 1e-9));
         assert!((window.values()[16] - 20.4).abs() < 1e-9);
     }
 
@@ -225,18 +200,12 @@ mod tests {
     fn bad_situations_are_refused_and_forgotten() {
         let mut buffer = fed(20.0, 1.0);
         let before = buffer.window();
-        assert!(matches!(
-            buffer.push(&situation(1.0)),
-            Err(ModelError::TimeNotIncreasing { .. })
-        ));
+        assert!(matches!(buffer.push(&situation(1.0)), Err(ModelError::TimeNotIncreasing { .. })));
         let mut bad = situation(2.0);
         bad.reference.dx_m = f64::NAN;
         assert!(matches!(
             buffer.push(&bad),
-            Err(ModelError::NotFinite {
-                signal: "lead_dx_m",
-                ..
-            })
+            Err(ModelError::NotFinite { signal: "lead_dx_m", .. })
         ));
         assert_eq!(buffer.window(), before);
     }

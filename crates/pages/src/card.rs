@@ -32,11 +32,7 @@ impl Drawn {
         nothing: impl Into<Option<f64>>,
         rows: impl IntoIterator<Item = IntervalRow>,
     ) -> Self {
-        Self {
-            rows: rows.into_iter().collect(),
-            nothing: nothing.into(),
-            bounds: None,
-        }
+        Self { rows: rows.into_iter().collect(), nothing: nothing.into(), bounds: None }
     }
 
     /// The same with what the rule asks for.
@@ -65,11 +61,7 @@ pub(crate) fn card(
     let number = if value.is_empty() {
         None
     } else {
-        Some(CardNumber {
-            value,
-            floor: text("floor")?,
-            ceiling: text("ceiling")?,
-        })
+        Some(CardNumber { value, floor: text("floor")?, ceiling: text("ceiling")? })
     };
     let plot = match drawn {
         None => None,
@@ -104,10 +96,7 @@ pub(crate) fn tested_card(
     drawn: Option<Drawn>,
     tests: Vec<String>,
 ) -> Result<Card, ReportError> {
-    Ok(Card {
-        tests,
-        ..card(texts, finding, values, drawn)?
-    })
+    Ok(Card { tests, ..card(texts, finding, values, drawn)? })
 }
 
 /// Of what must never happen: how often it came (`hits` of `n`), and the largest share that would look the same (`most`).
@@ -122,11 +111,7 @@ pub(crate) fn counted(finding: &Finding) -> Value {
 /// A share that was judged, as a row of an axis in %.
 pub(crate) fn share_row(label: impl Into<String>, part: &Part) -> IntervalRow {
     let percent = |(low, high): (f64, f64)| (100.0 * low, 100.0 * high);
-    IntervalRow::new(
-        label,
-        part.estimate.map(|share| 100.0 * share),
-        part.interval.map(percent),
-    )
+    IntervalRow::new(label, part.estimate.map(|share| 100.0 * share), part.interval.map(percent))
 }
 
 #[cfg(test)]
@@ -138,20 +123,9 @@ mod tests {
         use Verdict::{Fails, NotAsked, NotShown, NotTestable, NotTested, Shown, TooFew};
         let text = "[nearer]\nquestion = \"Is {{ it }}?\"\n";
         let texts = Texts::read("nearer.toml", text).unwrap();
-        let verdicts = [
-            Shown,
-            NotShown,
-            Fails,
-            NotAsked,
-            TooFew,
-            NotTested,
-            NotTestable,
-        ];
+        let verdicts = [Shown, NotShown, Fails, NotAsked, TooFew, NotTested, NotTestable];
         let cards = verdicts.map(|verdict| {
-            let finding = Finding {
-                verdict,
-                ..Finding::every(Question::Nearer, Vec::new())
-            };
+            let finding = Finding { verdict, ..Finding::every(Question::Nearer, Vec::new()) };
             card(&texts, &finding, &context! { it => "it" }, None).unwrap()
         });
         let words: Vec<&str> = cards.iter().map(|c| c.verdict.as_str()).collect();
@@ -188,9 +162,6 @@ mod tests {
         let texts = Texts::read("nearer.toml", "[nearer]\nanswer = \"{{ n }} people\"\n").unwrap();
         let finding = Finding::every(Question::Nearer, Vec::new());
         let error = card(&texts, &finding, &context! {}, None).unwrap_err();
-        assert!(
-            error.to_string().contains("nearer.toml, nearer.answer"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("nearer.toml, nearer.answer"), "{error}");
     }
 }

@@ -40,9 +40,7 @@ pub fn named_answers(item: &Item, words: &ItemWords) -> String {
         _ => item.answers().collect(),
     };
     let named = answers.iter().zip(&words.anchors);
-    let named: Vec<String> = named
-        .map(|(answer, word)| format!("{answer} {word}"))
-        .collect();
+    let named: Vec<String> = named.map(|(answer, word)| format!("{answer} {word}")).collect();
     named.join("; ")
 }
 
@@ -122,10 +120,7 @@ mod tests {
             "{chosen}"
         );
         let alpha = text("chosen", ", alpha_source = \"Houston\"");
-        assert!(
-            alpha.contains(" |  |  | 0.87 | alpha: Houston |\n"),
-            "{alpha}"
-        );
+        assert!(alpha.contains(" |  |  | 0.87 | alpha: Houston |\n"), "{alpha}");
         let all = text("Houston", "");
         assert!(all.contains(" | 4.3 | 0.9 | 0.87 | Houston |\n"), "{all}");
     }
@@ -135,10 +130,7 @@ mod tests {
         let scale = "id = \"calm\"\ntitle = \"Calm <b>\"\nreference = \"Nobody | never\"\nitems = 1\nmin = 1\nmax = 5\nscoring = \"mean\"\n\
                      wording = [\"a | <script>b</script> & c\\u001b[2J\"]\n[[subscales]]\nid = \"calm\"\ntitle = \"Calm\"\nitems = [1]\n";
         let text = codebook(&[Scale::from_toml(scale).unwrap()], None).unwrap();
-        assert!(
-            text.contains("| 1 | a \\| &lt;script&gt;b&lt;/script&gt; &amp; c[2J |"),
-            "{text}"
-        );
+        assert!(text.contains("| 1 | a \\| &lt;script&gt;b&lt;/script&gt; &amp; c[2J |"), "{text}");
         assert!(
             text.contains("## Calm &lt;b&gt; (`calm`)") && text.contains("Nobody \\| never"),
             "{text}"

@@ -5,9 +5,7 @@ const GLOSSARY: &str = include_str!("../glossary.md");
 
 /// Each term with its meaning. A row of several terms (`RM-ANOVA, ANOVA`) is one entry each; what stands in parentheses is no term.
 pub fn glossary() -> Vec<(String, String)> {
-    let rows = GLOSSARY
-        .lines()
-        .filter(|l| l.starts_with("| ") && !l.starts_with("| word"));
+    let rows = GLOSSARY.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| word"));
     let mut entries = Vec::new();
     for row in rows {
         let mut cells = row.trim_matches('|').splitn(2, '|').map(str::trim);
@@ -16,12 +14,7 @@ pub fn glossary() -> Vec<(String, String)> {
         };
         let meaning = meaning.replace(['`', '*'], "");
         for term in terms.split(',') {
-            let term = term
-                .split('(')
-                .next()
-                .unwrap_or_default()
-                .trim()
-                .replace('*', "");
+            let term = term.split('(').next().unwrap_or_default().trim().replace('*', "");
             // Words of everyday speech explain themselves in most sentences.
             let rare = term.chars().any(|c| c.is_uppercase() || !c.is_ascii())
                 || term.contains(' ')
@@ -35,15 +28,8 @@ pub fn glossary() -> Vec<(String, String)> {
 }
 
 /// Terms in small letters that a reader may not know.
-const RARE: [&str; 7] = [
-    "homophily",
-    "sphericity",
-    "clamped",
-    "embedding",
-    "hand-over",
-    "internal",
-    "external",
-];
+const RARE: [&str; 7] =
+    ["homophily", "sphericity", "clamped", "embedding", "hand-over", "internal", "external"];
 
 #[cfg(test)]
 mod tests {
@@ -64,15 +50,8 @@ mod tests {
             "internal",
             "external",
         ] {
-            assert!(
-                found.iter().any(|(t, m)| t == term && m.len() > 8),
-                "{term}"
-            );
+            assert!(found.iter().any(|(t, m)| t == term && m.len() > 8), "{term}");
         }
-        assert!(
-            found
-                .iter()
-                .all(|(t, _)| !t.contains('|') && !t.contains('`'))
-        );
+        assert!(found.iter().all(|(t, _)| !t.contains('|') && !t.contains('`')));
     }
 }

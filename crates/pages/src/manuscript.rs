@@ -39,10 +39,8 @@ impl Manuscript {
         let listed = references::listed(&self.references);
         let method = [&self.methods[..], &listed].concat();
         let cited = references::cited(&self.references);
-        let file = |name: &str, bytes: Vec<u8>| RenderedFile {
-            path: format!("manuscript/{name}"),
-            bytes,
-        };
+        let file =
+            |name: &str, bytes: Vec<u8>| RenderedFile { path: format!("manuscript/{name}"), bytes };
         let whole = [&self.methods[..], &self.results].concat();
         let tables = report.sections.iter().flat_map(|section| &section.tables);
         let tables: Vec<&Table> = tables.collect();
@@ -51,19 +49,13 @@ impl Manuscript {
             file("numbers.csv", numbers::csv(&named).into_bytes()),
             file("results.tex", in_latex(&self.results).into_bytes()),
             file("results.md", in_markdown(&self.results).into_bytes()),
-            file(
-                "methods.tex",
-                (in_latex(&self.methods) + &cited).into_bytes(),
-            ),
+            file("methods.tex", (in_latex(&self.methods) + &cited).into_bytes()),
             file("methods.md", in_markdown(&method).into_bytes()),
             file(
                 "manuscript.docx",
                 docx::document((&self.title, &self.authors), &whole, &tables, &listed)?,
             ),
-            file(
-                "references.bib",
-                references::bib(&self.references).into_bytes(),
-            ),
+            file("references.bib", references::bib(&self.references).into_bytes()),
         ])
     }
 }
@@ -106,9 +98,6 @@ mod tests {
             in_latex(&blocks),
             "\\subsection{My \\textit{Scale}}\n\n\\textit{t}(3) = 1.20, \\textit{p} \\textless{} .001\n\n"
         );
-        assert_eq!(
-            in_markdown(&blocks),
-            "## My *Scale*\n\n*t*(3) = 1.20, *p* < .001\n\n"
-        );
+        assert_eq!(in_markdown(&blocks), "## My *Scale*\n\n*t*(3) = 1.20, *p* < .001\n\n");
     }
 }

@@ -62,10 +62,7 @@ mod tests {
             ),
             "{lines:?}"
         );
-        assert!(
-            lines[0].contains("directly after every other, as often"),
-            "{lines:?}"
-        );
+        assert!(lines[0].contains("directly after every other, as often"), "{lines:?}");
         assert_eq!(lines[1], "Calm was 1st for 1, 2nd for 1.");
         let lines = told(&[&[calm, sporty], &[calm, sporty]]);
         assert!(lines[0].contains("not balanced"), "{lines:?}");
@@ -74,9 +71,6 @@ mod tests {
     #[test]
     fn places_have_their_ordinals() {
         let words = [1, 2, 3, 4, 11, 12, 13, 21].map(ordinal);
-        assert_eq!(
-            words,
-            ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st"]
-        );
+        assert_eq!(words, ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st"]);
     }
 }

@@ -77,20 +77,13 @@ impl PageTexts {
     pub fn new(file: TextFile, values: &impl Serialize) -> Result<Self, ReportError> {
         let TextFile { name, source } = file;
         let parts = toml::from_str(source).map_err(|e| failed(format!("{name}: {e}")))?;
-        Ok(Self {
-            file: name,
-            parts: Arc::new(parts),
-            values: value(values),
-        })
+        Ok(Self { file: name, parts: Arc::new(parts), values: value(values) })
     }
 
     /// The same with further values, which come first.
     #[must_use]
     pub fn with(&self, more: &impl Serialize) -> Self {
-        Self {
-            values: context! { ..value(more), ..self.values.clone() },
-            ..self.clone()
-        }
+        Self { values: context! { ..value(more), ..self.values.clone() }, ..self.clone() }
     }
 
     /// The same where `label(id)` is what a design calls a condition.
@@ -101,10 +94,7 @@ impl PageTexts {
             let known = id.parse::<ConditionId>().map(|id| design.label(id));
             markup::literal(&known.unwrap_or_else(|_| id.to_owned()))
         };
-        Self {
-            values: context! { label => Value::from_function(label), ..self.values },
-            ..self
-        }
+        Self { values: context! { label => Value::from_function(label), ..self.values }, ..self }
     }
 
     /// Whether a value is there and is not none.
@@ -135,12 +125,7 @@ impl PageTexts {
         let fill = |text: &String| self.filled(&format!("section.{key}"), text);
         let mut intro = text.intro.iter().map(fill).collect::<Result<Vec<_>, _>>()?;
         intro.retain(|paragraph| !paragraph.is_empty());
-        Ok(Section {
-            title: fill(&text.title)?,
-            intro,
-            figures,
-            tables,
-        })
+        Ok(Section { title: fill(&text.title)?, intro, figures, tables })
     }
 
     /// A table of rows: its title, columns and notes ask for the values of a row first, then for those of the page.
@@ -155,12 +140,7 @@ impl PageTexts {
         let text = self.parts.table.get(key);
         let text = text.ok_or_else(|| failed(format!("{} has no table `{key}`", self.file)))?;
         let rows = rows.into_iter().map(|row| value(&row)).collect();
-        text.table(
-            &format!("{}, table.{key}", self.file),
-            key,
-            rows,
-            &self.values,
-        )
+        text.table(&format!("{}, table.{key}", self.file), key, rows, &self.values)
     }
 
     /// The same; `None` without rows.
@@ -183,10 +163,7 @@ impl PageTexts {
         let new = Report::new(self.text("title")?, self.text("subtitle")?, context);
         Ok(Report {
             glossary: glossary(),
-            methods: Methods {
-                text: vec![self.text("method")?],
-                files: Vec::new(),
-            },
+            methods: Methods { text: vec![self.text("method")?], files: Vec::new() },
             provenance: Provenance {
                 seed: Some(seed),
                 command: command.unwrap_or_default().to_owned(),
@@ -227,10 +204,7 @@ mod tests {
     fn a_text_that_asks_for_what_nobody_gives_is_named_and_so_is_one_that_is_not_there() {
         let texts = PageTexts::new(ABLATION, &()).unwrap();
         let error = texts.text("subtitle").unwrap_err().to_string();
-        assert!(
-            error.contains("ablation_page.toml, text.subtitle"),
-            "{error}"
-        );
+        assert!(error.contains("ablation_page.toml, text.subtitle"), "{error}");
         let error = texts.text("nothing").unwrap_err().to_string();
         assert!(error.contains("no text `nothing`"), "{error}");
     }

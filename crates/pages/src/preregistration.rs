@@ -71,11 +71,7 @@ pub fn preregistration(design: &Design, sample_size: &[String]) -> Result<String
         homophily,
         exclude => exclude(design),
     };
-    document(
-        "preregistration.md",
-        include_str!("../texts/preregistration.md"),
-        values,
-    )
+    document("preregistration.md", include_str!("../texts/preregistration.md"), values)
 }
 
 /// A contrast of levels by the labels of its factors.
@@ -282,18 +278,13 @@ mod tests {
         };
         let one = text(&primary("mean_velocity_mps", "mixed"));
         let line = "- Primary: `mean_velocity_mps`, sporty less calm, by a mixed model of condition, and of period";
-        assert!(
-            one.contains(line) && !one.contains("in the order written"),
-            "{one}"
-        );
+        assert!(one.contains(line) && !one.contains("in the order written"), "{one}");
         let two =
             text(&(primary("mean_velocity_mps", "mixed") + &primary("lane_changes", "mixed")));
         assert!(two.contains("in the order written, each at .05"), "{two}");
         let item = "[[outcome]]\nscale = \"comfort.total\"\nprimary = true\ntest = \"ordinal\"\ncontrast = [\"sporty\", \"calm\"]\n";
         let without_bound = "their odds have no finite estimate";
-        let of_item = text(&format!(
-            "{item}[[outcome]]\nmeasure = \"mean_velocity_mps\"\n"
-        ));
+        let of_item = text(&format!("{item}[[outcome]]\nmeasure = \"mean_velocity_mps\"\n"));
         assert!(of_item.contains(without_bound) && !one.contains(without_bound));
         let none = text("[[outcome]]\nmeasure = \"mean_velocity_mps\"\n");
         // Nobody declares the test of a rating of one item: it is found where orders are known.
@@ -303,15 +294,9 @@ mod tests {
         );
         assert!(rating.contains(where_known) && text("").contains(where_known));
         assert!(!none.contains(without_bound) && !of_item.contains("Where orders are known and"));
-        assert!(
-            !none.contains("Primary:") && none.contains("the period is a factor"),
-            "{none}"
-        );
+        assert!(!none.contains("Primary:") && none.contains("the period is a factor"), "{none}");
         let auto = text("[[outcome]]\nmeasure = \"mean_velocity_mps\"\ntest = \"auto\"\n");
-        assert!(
-            auto.contains("`mean_velocity_mps` has no period in its test"),
-            "{auto}"
-        );
+        assert!(auto.contains("`mean_velocity_mps` has no period in its test"), "{auto}");
     }
 
     #[test]
@@ -333,11 +318,7 @@ mod tests {
                 "",
                 "In Mean velocity: sporty minus calm lies between -1 and 1.5 km/h (two",
             ),
-            (
-                "mean_velocity_mps",
-                "units = \"us\"\n",
-                "between -1 and 1.5 mph (two",
-            ),
+            ("mean_velocity_mps", "units = \"us\"\n", "between -1 and 1.5 mph (two"),
             (
                 "jian_trust.overall",
                 "",
@@ -362,10 +343,7 @@ mod tests {
         );
         assert!(alone.contains("No outcome has a test"), "{alone}");
         let beside = one("[baseline]\nid = \"own\"\n");
-        for said in [
-            "- The condition is compared with own.",
-            "- Each outcome: a paired t test",
-        ] {
+        for said in ["- The condition is compared with own.", "- Each outcome: a paired t test"] {
             assert!(beside.contains(said), "{said} in {beside}");
         }
         // The baseline is in no order, so that its period is in no test.
@@ -390,14 +368,8 @@ mod tests {
                        [[condition]]\nid = \"same\"\ncar = { dial = 0 }\n[[condition]]\nid = \"fast\"\ncar = { dial = \"+1\" }\n";
         let (steered, recorded) = (text(steered), text(STUDY));
         let (promised, not) = ("One family of correlations", "nothing is correlated");
-        assert!(
-            steered.contains(promised) && !steered.contains(not),
-            "{steered}"
-        );
-        assert!(
-            recorded.contains(not) && !recorded.contains(promised),
-            "{recorded}"
-        );
+        assert!(steered.contains(promised) && !steered.contains(not), "{steered}");
+        assert!(recorded.contains(not) && !recorded.contains(promised), "{recorded}");
     }
 
     #[test]
@@ -413,10 +385,7 @@ mod tests {
             "has no period in its test. Of it, and of every outcome where no order is known:\n";
         assert!(by_looks.contains(line), "{by_looks}");
         let period = text("");
-        assert!(
-            period.contains("changes no verdict. Where no order is known:\n"),
-            "{period}"
-        );
+        assert!(period.contains("changes no verdict. Where no order is known:\n"), "{period}");
     }
 
     #[test]

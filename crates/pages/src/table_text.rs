@@ -76,10 +76,7 @@ enum Show {
 
 impl TableText {
     /// The table of these rows.
-    #[expect(
-        clippy::needless_pass_by_value,
-        reason = "rows are made for their table"
-    )]
+    #[expect(clippy::needless_pass_by_value, reason = "rows are made for their table")]
     pub(crate) fn table(
         &self,
         place: &str,
@@ -97,10 +94,7 @@ impl TableText {
             notes.extend(Some(say(note, page)?).filter(|note| !note.is_empty()));
         }
         let mut table = Table {
-            name: self
-                .name
-                .as_deref()
-                .map_or_else(|| Ok(key.to_owned()), |n| say(n, page))?,
+            name: self.name.as_deref().map_or_else(|| Ok(key.to_owned()), |n| say(n, page))?,
             title: say(&self.title, page)?,
             columns: Vec::new(),
             rows: vec![Vec::new(); rows.len()],
@@ -116,30 +110,19 @@ impl TableText {
         if let Some(id) = &self.id {
             let id = environment.compile_expression(id).map_err(failure)?;
             let ids = rows.iter().map(|row| Ok(id.eval(row.clone())?.to_string()));
-            data.ids = ids
-                .collect::<Result<_, minijinja::Error>>()
-                .map_err(failure)?;
+            data.ids = ids.collect::<Result<_, minijinja::Error>>().map_err(failure)?;
         }
         for column in &self.columns {
             for values in column.copies(&environment, page).map_err(failure)? {
-                let head = column
-                    .head
-                    .as_deref()
-                    .map(|head| say(head, &values))
-                    .transpose()?;
-                let expression = environment
-                    .compile_expression(&column.value)
-                    .map_err(failure)?;
+                let head = column.head.as_deref().map(|head| say(head, &values)).transpose()?;
+                let expression = environment.compile_expression(&column.value).map_err(failure)?;
                 for (at, row) in rows.iter().enumerate() {
                     let row = context! { ..row.clone(), ..values.clone() };
                     let value = expression.eval(row.clone());
                     let cell = value.and_then(|value| {
                         column.cell(&value, column.decimals(&environment, row.clone())?)
                     });
-                    let named = head
-                        .as_deref()
-                        .or(column.key.as_deref())
-                        .unwrap_or_default();
+                    let named = head.as_deref().or(column.key.as_deref()).unwrap_or_default();
                     let cell = cell.map_err(|e| failed(format!("{place}, {named}: {e:#}")))?;
                     if column.key.is_some() {
                         data.rows[at].push(cell.clone());
@@ -150,10 +133,7 @@ impl TableText {
                     }
                 }
                 data.heads.extend(column.key.clone());
-                table.columns.extend(head.map(|header| Column {
-                    header,
-                    align: column.align(),
-                }));
+                table.columns.extend(head.map(|header| Column { header, align: column.align() }));
             }
         }
         table.data = self.id.is_some().then_some(data);
@@ -165,11 +145,7 @@ impl TableText {
     pub(crate) fn check(&self) -> Result<(), minijinja::Error> {
         let environment = environment();
         let heads = self.columns.iter().filter_map(|c| c.head.as_ref());
-        for text in heads
-            .chain(&self.notes)
-            .chain(&self.name)
-            .chain([&self.title])
-        {
+        for text in heads.chain(&self.notes).chain(&self.name).chain([&self.title]) {
             environment.template_from_str(text)?;
         }
         for column in &self.columns {
@@ -209,9 +185,7 @@ impl ColumnText {
             return Ok(vec![page.clone()]);
         };
         let members = eval(each)?.try_iter()?.enumerate();
-        Ok(members
-            .map(|(at, each)| context! { at, each, ..page.clone() })
-            .collect())
+        Ok(members.map(|(at, each)| context! { at, each, ..page.clone() }).collect())
     }
 
     fn decimals(
@@ -235,11 +209,7 @@ impl ColumnText {
         if found.is_undefined() {
             return Err(undefined(unit));
         }
-        Ok(if found.is_none() {
-            String::new()
-        } else {
-            found.to_string()
-        })
+        Ok(if found.is_none() { String::new() } else { found.to_string() })
     }
 
     fn cell(&self, found: &Value, decimals: usize) -> Result<Cell, minijinja::Error> {
@@ -344,10 +314,7 @@ mod tests {
         let data = made.data.unwrap();
         assert_eq!(
             (data.heads, data.ids),
-            (
-                vec!["who".to_owned(), "r".to_owned()],
-                vec!["a.x".to_owned()]
-            )
+            (vec!["who".to_owned(), "r".to_owned()], vec!["a.x".to_owned()])
         );
         assert_eq!(data.rows, [[Cell::text("a"), Cell::bounded(Some(0.5), 2)]]);
         assert_eq!(data.units, [["", "km/h"]]);
@@ -355,13 +322,8 @@ mod tests {
 
     #[test]
     fn a_value_that_no_row_has_and_a_word_for_a_number_are_refused_by_place_and_head() {
-        let error = table("{ head = \"Who\", value = \"nobody\" }")
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("t.toml, table.t, Who") && error.contains("nobody"),
-            "{error}"
-        );
+        let error = table("{ head = \"Who\", value = \"nobody\" }").unwrap_err().to_string();
+        assert!(error.contains("t.toml, table.t, Who") && error.contains("nobody"), "{error}");
         let error = table("{ head = \"Who\", value = \"name\", show = \"number\" }");
         assert!(error.unwrap_err().to_string().contains("table.t, Who"));
     }

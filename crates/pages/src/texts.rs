@@ -53,19 +53,14 @@ pub(crate) fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     let written = |value: Option<f64>, write: fn(f64, usize) -> String, decimals: Option<usize>| {
-        value.map_or_else(
-            || "not known".to_owned(),
-            |value| write(value, decimals.unwrap_or(2)),
-        )
+        value.map_or_else(|| "not known".to_owned(), |value| write(value, decimals.unwrap_or(2)))
     };
-    environment.add_filter(
-        "number",
-        move |value: Option<f64>, decimals: Option<usize>| written(value, apa::number, decimals),
-    );
-    environment.add_filter(
-        "bounded",
-        move |value: Option<f64>, decimals: Option<usize>| written(value, apa::bounded, decimals),
-    );
+    environment.add_filter("number", move |value: Option<f64>, decimals: Option<usize>| {
+        written(value, apa::number, decimals)
+    });
+    environment.add_filter("bounded", move |value: Option<f64>, decimals: Option<usize>| {
+        written(value, apa::bounded, decimals)
+    });
     environment.add_filter("percent", words::percent);
     environment.add_filter(
         "interval",
@@ -74,9 +69,7 @@ pub(crate) fn environment() -> Environment<'static> {
             words::interval(ends, decimals, bounded.unwrap_or(false))
         },
     );
-    environment.add_filter("p", |p: Option<f64>| {
-        p.map(|p| apa::p(p).markup().to_owned())
-    });
+    environment.add_filter("p", |p: Option<f64>| p.map(|p| apa::p(p).markup().to_owned()));
     environment.add_filter("or_dash", |value: Option<f64>, decimals: usize| {
         value.map_or_else(|| "–".to_owned(), |value| apa::number(value, decimals))
     });
@@ -85,9 +78,7 @@ pub(crate) fn environment() -> Environment<'static> {
     environment.add_filter("verdict", |verdict: Serde<Verdict>| verdict.words());
     environment.add_filter("cell", cell);
     environment.add_filter("ends", ends);
-    environment.add_filter("with_unit", |title: &str, unit: &str| {
-        words::with_unit(title, unit)
-    });
+    environment.add_filter("with_unit", |title: &str, unit: &str| words::with_unit(title, unit));
     environment.add_filter("literal", |text: &str| markup::literal(text));
     environment.add_filter("statement", |correlation: Serde<Option<Correlation>>| {
         let statement = correlation.0.as_ref().and_then(Correlation::statement);

@@ -18,11 +18,7 @@ use minijinja::{Value, context};
 pub fn small(title: &str) -> String {
     let mut letters = title.chars();
     let first = letters.next().into_iter().flat_map(char::to_lowercase);
-    if letters
-        .clone()
-        .next()
-        .is_some_and(|second| second.is_lowercase() || second == ' ')
-    {
+    if letters.clone().next().is_some_and(|second| second.is_lowercase() || second == ' ') {
         return first.chain(letters).collect();
     }
     title.to_owned()
@@ -48,11 +44,7 @@ pub(crate) fn closed_as(outcome: &PrimaryOutcome, all: &[PrimaryOutcome]) -> Opt
 
 /// A quantity with its unit, where it has one.
 pub fn with_unit(title: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        title.to_owned()
-    } else {
-        format!("{title} ({unit})")
-    }
+    if unit.is_empty() { title.to_owned() } else { format!("{title} ({unit})") }
 }
 
 /// Decimals of numbers in the unit of an outcome, by how much people differ within conditions.
@@ -84,19 +76,12 @@ pub fn listed(words: &[String]) -> String {
 pub(crate) fn counted(counts: impl IntoIterator<Item = usize>) -> Option<String> {
     let counts: Vec<usize> = counts.into_iter().collect();
     let (least, most) = (counts.iter().min()?, counts.iter().max()?);
-    Some(if least == most {
-        most.to_string()
-    } else {
-        format!("{least} to {most}")
-    })
+    Some(if least == most { most.to_string() } else { format!("{least} to {most}") })
 }
 
 /// `86.9%`, with a true minus; `no value` where there is none.
 pub fn percent(share: Option<f64>) -> String {
-    share.map_or_else(
-        || "no value".to_owned(),
-        |v| format!("{}%", apa::number(100.0 * v, 1)),
-    )
+    share.map_or_else(|| "no value".to_owned(), |v| format!("{}%", apa::number(100.0 * v, 1)))
 }
 
 /// How a number is written: one that 1 bounds without the zero before the point.
@@ -107,9 +92,7 @@ pub(crate) fn written(bounded: bool) -> fn(f64, usize) -> String {
 /// ` [0.12, 0.34]`, or nothing.
 pub fn interval(ends: Option<(f64, f64)>, decimals: usize, bounded: bool) -> String {
     let written = |end| written(bounded)(end, decimals);
-    ends.map_or_else(String::new, |(low, high)| {
-        format!(" [{}, {}]", written(low), written(high))
-    })
+    ends.map_or_else(String::new, |(low, high)| format!(" [{}, {}]", written(low), written(high)))
 }
 
 /// A correlation with its test, with marks.
@@ -159,11 +142,7 @@ pub fn omnibus(design: &Design, panel: &Panel, short: bool) -> String {
         .filter(|(name, _)| counts(name))
         .map(|(name, said)| match effects.len() {
             1 => said.markup().to_owned(),
-            _ => format!(
-                "{}: {}",
-                markup::literal(&effect_title(design, &name)),
-                said.markup()
-            ),
+            _ => format!("{}: {}", markup::literal(&effect_title(design, &name)), said.markup()),
         })
         .collect();
     match (&statements[..], short || effects.len() == 1) {
@@ -204,11 +183,7 @@ fn why_undefined(found: &ByDesign) -> Option<&str> {
 pub(crate) fn effect_title(design: &Design, name: &str) -> String {
     // A model of ordered answers calls `conditions` what a mixed model calls `condition`.
     let one = |label: String| {
-        if label == "conditions" {
-            "condition".to_owned()
-        } else {
-            label
-        }
+        if label == "conditions" { "condition".to_owned() } else { label }
     };
     let label = |name: &str| one(design.factor_label(name));
     let factors: Vec<String> = name.split(':').map(label).collect();
@@ -222,9 +197,7 @@ pub fn paired(panel: &Panel, pair: &Contrast, named: Adjustment) -> Option<Strin
     Some(match (panel.test?, pair.df) {
         (ContrastTest::T | ContrastTest::Mixed | ContrastTest::Ordinal, Some(df)) => {
             let size = effect.and_then(|e| Some((e.value?, e.ci)));
-            apa::t(pair.statistic?, df, p, named, size)
-                .markup()
-                .to_owned()
+            apa::t(pair.statistic?, df, p, named, size).markup().to_owned()
         }
         _ => apa::wilcoxon(pair.statistic?, p, named, effect.and_then(|e| e.value))
             .markup()
@@ -267,8 +240,7 @@ pub fn label(design: &Design, id: ConditionId) -> String {
 
 /// The same of an id as a test names it; what is the id of nothing stays as it is.
 pub(crate) fn label_of_id(design: &Design, id: &str) -> String {
-    id.parse()
-        .map_or_else(|_| id.to_owned(), |id| label(design, id))
+    id.parse().map_or_else(|_| id.to_owned(), |id| label(design, id))
 }
 
 pub(crate) fn style(design: &Design) -> &str {
@@ -289,12 +261,9 @@ pub(crate) fn points(points: f64, digits: usize) -> f64 {
 
 /// A small number as a word.
 pub(crate) fn in_words(n: usize) -> String {
-    const WORDS: [&str; 10] = [
-        "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine",
-    ];
-    WORDS
-        .get(n)
-        .map_or_else(|| n.to_string(), |w| (*w).to_owned())
+    const WORDS: [&str; 10] =
+        ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"];
+    WORDS.get(n).map_or_else(|| n.to_string(), |w| (*w).to_owned())
 }
 
 /// The ledger's word for a measure.
@@ -317,11 +286,7 @@ pub(crate) fn correlation_of_claim(claim: &Claim) -> Option<String> {
     };
     let printed = claim.printed_p.as_ref()?;
     // "< .001" is printed again as such, not as ".001".
-    let p = if printed.bound == Some('<') {
-        printed.value * 0.999
-    } else {
-        printed.value
-    };
+    let p = if printed.bound == Some('<') { printed.value * 0.999 } else { printed.value };
     let df = claim.df.unwrap_or_default();
     let statement = write(claim.printed.value, df as usize, p);
     let marked = statement.markup();
@@ -333,10 +298,7 @@ pub(crate) fn correlation_of_claim(claim: &Claim) -> Option<String> {
 
 /// Whose panel it is, where people are divided.
 pub fn of_group(panel: &Panel) -> String {
-    panel
-        .group
-        .as_ref()
-        .map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.label))
+    panel.group.as_ref().map_or_else(String::new, |g| format!(" ({}: {})", g.factor, g.label))
 }
 
 #[cfg(test)]
@@ -355,9 +317,8 @@ mod tests {
         let others = [2, 3, 1, 2, 4, 3, 2, 2, 3, 4, 1, 3, 2, 1, 3, 2];
         let said = |last: [i32; 8]| {
             let people: Vec<String> = (0..24).map(|i| (i / 3).to_string()).collect();
-            let rides: Vec<String> = (0..24)
-                .map(|i| ["calm", "normal", "sporty"][i % 3].to_owned())
-                .collect();
+            let rides: Vec<String> =
+                (0..24).map(|i| ["calm", "normal", "sporty"][i % 3].to_owned()).collect();
             let answer = |i: usize| match i % 3 {
                 2 => last[i / 3],
                 ride => others[2 * (i / 3) + ride],
@@ -409,10 +370,7 @@ mod tests {
             row("met", 0.204),
         ];
         let outcomes = ["offroad", "speed", "same", "met", "other"];
-        assert_eq!(
-            outcomes.map(|o| outcome_decimals(&rows, o)),
-            [4, 2, 2, 2, 2]
-        );
+        assert_eq!(outcomes.map(|o| outcome_decimals(&rows, o)), [4, 2, 2, 2, 2]);
     }
 
     #[test]
@@ -439,10 +397,7 @@ mod tests {
             (Verdict::NotShown, "is not below .05"),
             (Verdict::TooFew, "has too few people"),
         ] {
-            let all = [
-                outcome("a", None, verdict),
-                outcome("b", Some("a"), Verdict::NotTested),
-            ];
+            let all = [outcome("a", None, verdict), outcome("b", Some("a"), Verdict::NotTested)];
             assert_eq!(closed_by(&all[1], &all).as_deref(), Some("A"));
             assert_eq!(closed_as(&all[1], &all), Some(said));
             assert_eq!(closed_as(&all[0], &all), None);

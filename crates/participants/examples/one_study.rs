@@ -26,16 +26,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("cautious".parse()?, drive(27.0)),
     ];
     for p in &cohort.participants {
-        let answers = before
-            .iter()
-            .filter(|a| a.participant == p.id && a.moment == Moment::Pre);
+        let answers = before.iter().filter(|a| a.participant == p.id && a.moment == Moment::Pre);
         let total: i32 = answers.filter_map(|a| a.answer).sum();
-        print!(
-            "{} {:2} {:6} ADB {total:2}",
-            p.id,
-            p.age_years,
-            p.gender.as_str()
-        );
+        print!("{} {:2} {:6} ADB {total:2}", p.id, p.age_years, p.gender.as_str());
         if !p.order.is_empty() {
             let rated = rate(p, &drive(29.0), &trials, &spread, &scales, &effects, seed)?;
             print!("; sum of trust items 6 to 12:");
@@ -44,10 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     .answers
                     .iter()
                     .filter(|a| a.moment == Moment::after(*condition) && a.item > 5);
-                print!(
-                    " {condition} {}",
-                    items.filter_map(|a| a.answer).sum::<i32>()
-                );
+                print!(" {condition} {}", items.filter_map(|a| a.answer).sum::<i32>());
             }
         }
         println!();

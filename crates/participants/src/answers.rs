@@ -56,14 +56,8 @@ pub fn answer_before(
                 answers.extend(graded(participant, model, effects.missing_rate, seed));
             }
         }
-        let roles = cohort
-            .drives
-            .iter()
-            .filter(|d| d.participant == participant.id && d.role);
-        for PlannedDrive {
-            condition, traits, ..
-        } in roles
-        {
+        let roles = cohort.drives.iter().filter(|d| d.participant == participant.id && d.role);
+        for PlannedDrive { condition, traits, .. } in roles {
             for scale in scales.iter().filter(|s| s.id == ADB) {
                 let moment = Moment::after(*condition);
                 answers.extend(adb(participant, traits, moment, scale, effects, seed));
@@ -82,12 +76,7 @@ fn adb(
     effects: &Effects,
     seed: u64,
 ) -> Vec<Answer> {
-    let AdbModel {
-        mean_points,
-        sd_points,
-        aggressiveness: loading,
-        item_sd,
-    } = effects.adb;
+    let AdbModel { mean_points, sd_points, aggressiveness: loading, item_sd } = effects.adb;
     let moment_name = moment.to_string();
     let mut rng = stream(seed, &[participant.id.as_str(), ADB, moment_name.as_str()]);
     let noise = (1.0 - loading * loading).max(0.0).sqrt();
@@ -131,9 +120,7 @@ fn graded(
     let scores = model.scores(participant, &draws);
     let mut answers = Vec::new();
     for ((factor, score), rng) in model.factors.iter().zip(scores).zip(&mut streams) {
-        let ItemModel {
-            mean, sd, loading, ..
-        } = factor.item;
+        let ItemModel { mean, sd, loading, .. } = factor.item;
         let noise = (1.0 - loading * loading).max(0.0).sqrt();
         for &item in &factor.subscale.items {
             let Some(asked) = scale.item(item) else {
@@ -162,50 +149,30 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn everybody(n1: usize, n2: usize, effects: &Effects) -> (Cohort, Vec<Answer>) {
-        let cohort = Cohort::draw(
-            n1,
-            n2,
-            11,
-            &CohortSettings::default(),
-            &crate::testing::design(),
-        )
-        .unwrap();
+        let cohort =
+            Cohort::draw(n1, n2, 11, &CohortSettings::default(), &crate::testing::design())
+                .unwrap();
         let answers = answer_before(&cohort, &scales(), effects, 11).unwrap();
         (cohort, answers)
     }
 
     fn complete() -> Effects {
-        Effects {
-            missing_rate: 0.0,
-            ..effects()
-        }
+        Effects { missing_rate: 0.0, ..effects() }
     }
 
     #[test]
     fn the_adb_total_follows_aggressiveness_as_calibrated() {
-        let cohort = Cohort::draw(
-            0,
-            2000,
-            11,
-            &CohortSettings::default(),
-            &crate::testing::design(),
-        )
-        .unwrap();
+        let cohort =
+            Cohort::draw(0, 2000, 11, &CohortSettings::default(), &crate::testing::design())
+                .unwrap();
         let scales: Vec<Scale> = scales().into_iter().filter(|s| s.id == ADB).collect();
-        let effects = Effects {
-            answers: BTreeMap::new(),
-            ..complete()
-        };
+        let effects = Effects { answers: BTreeMap::new(), ..complete() };
         let answers = answer_before(&cohort, &scales, &effects, 11).unwrap();
         let totals: Vec<f64> = answers
             .chunks(11)
             .map(|items| items.iter().filter_map(|a| a.answer).map(f64::from).sum())
             .collect();
-        let a: Vec<f64> = cohort
-            .participants
-            .iter()
-            .map(|p| p.traits.aggressiveness)
-            .collect();
+        let a: Vec<f64> = cohort.participants.iter().map(|p| p.traits.aggressiveness).collect();
         let r = correlation(&a, &totals);
         assert!((r - 0.88).abs() < 0.02, "{r}");
         let mean = totals.iter().sum::<f64>() / 2000.0;
@@ -259,23 +226,14 @@ mod tests {
         let (cohort, answers) = everybody(4, 2, &effects());
         let scales = scales();
         for p in &cohort.participants {
-            for (id, items) in [
-                (ADB, 11),
-                ("mdsi", 44),
-                ("mini_ipip", 20),
-                ("jian_trust", 12),
-            ] {
+            for (id, items) in [(ADB, 11), ("mdsi", 44), ("mini_ipip", 20), ("jian_trust", 12)] {
                 let mine: Vec<&Answer> = answers
                     .iter()
                     .filter(|a| a.participant == p.id && a.scale == id && a.moment == Moment::Pre)
                     .collect();
                 assert!(mine.iter().map(|a| a.item).eq(1..=items), "{id}");
                 let scale = scales.iter().find(|s| s.id == id).unwrap();
-                assert!(
-                    mine.iter()
-                        .filter_map(|a| a.answer)
-                        .all(|x| scale.items[0].takes(x))
-                );
+                assert!(mine.iter().filter_map(|a| a.answer).all(|x| scale.items[0].takes(x)));
             }
         }
     }
@@ -285,38 +243,20 @@ mod tests {
         let (cohort, answers) = everybody(0, 300, &complete());
         let scales = scales();
         let scores = |scale, subscale| -> Vec<f64> {
-            let asked: Vec<Answer> = answers
-                .iter()
-                .filter(|a| a.scale == scale)
-                .cloned()
-                .collect();
+            let asked: Vec<Answer> = answers.iter().filter(|a| a.scale == scale).cloned().collect();
             let people = cohort.participants.iter();
-            people
-                .map(|p| score(&asked, &scales, &p.id, Moment::Pre, scale, subscale))
-                .collect()
+            people.map(|p| score(&asked, &scales, &p.id, Moment::Pre, scale, subscale)).collect()
         };
-        let conscientiousness: Vec<f64> = cohort
-            .participants
-            .iter()
-            .map(|p| p.personality.conscientiousness)
-            .collect();
-        let r = correlation(
-            &conscientiousness,
-            &scores("mini_ipip", "conscientiousness"),
-        );
+        let conscientiousness: Vec<f64> =
+            cohort.participants.iter().map(|p| p.personality.conscientiousness).collect();
+        let r = correlation(&conscientiousness, &scores("mini_ipip", "conscientiousness"));
         assert!(r > 0.7, "{r}");
-        let a: Vec<f64> = cohort
-            .participants
-            .iter()
-            .map(|p| p.traits.aggressiveness)
-            .collect();
+        let a: Vec<f64> = cohort.participants.iter().map(|p| p.traits.aggressiveness).collect();
         assert!(correlation(&a, &scores("mdsi", "risky")) > 0.2);
         assert!(correlation(&a, &scores("mdsi", "careful")) < -0.1);
         // As given, a reversed item goes the other way.
         let item = |n| -> Vec<f64> {
-            let column = answers
-                .iter()
-                .filter(|x| x.scale == "mini_ipip" && x.item == n);
+            let column = answers.iter().filter(|x| x.scale == "mini_ipip" && x.item == n);
             column.filter_map(|x| x.answer).map(f64::from).collect()
         };
         assert!(correlation(&conscientiousness, &item(3)) > 0.4);
@@ -326,24 +266,15 @@ mod tests {
     #[test]
     fn five_thousand_people_have_the_means_spreads_alphas_and_correlations_of_the_norms() {
         let n = 5000;
-        let cohort = Cohort::draw(
-            0,
-            n,
-            5,
-            &CohortSettings::default(),
-            &crate::testing::design(),
-        )
-        .unwrap();
+        let cohort =
+            Cohort::draw(0, n, 5, &CohortSettings::default(), &crate::testing::design()).unwrap();
         let scales = scales();
         let answers = answer_before(&cohort, &scales, &complete(), 5).unwrap();
         let variance = |v: &[f64]| {
             let m = v.iter().sum::<f64>() / v.len() as f64;
             v.iter().map(|x| (x - m).powi(2)).sum::<f64>() / (v.len() - 1) as f64
         };
-        for scale in scales
-            .iter()
-            .filter(|s| effects().answers.contains_key(&s.id))
-        {
+        for scale in scales.iter().filter(|s| effects().answers.contains_key(&s.id)) {
             let mine = answers.iter().filter(|a| a.scale == scale.id);
             let mut columns = vec![Vec::new(); scale.items.len()];
             for answer in mine {
@@ -362,24 +293,18 @@ mod tests {
                         let turn = f64::from(scale.items[0].min + scale.items[0].max);
                         let column = columns[item as usize - 1].iter();
                         let reversed = scale.is_reversed(subscale, item);
-                        column
-                            .map(|x| if reversed { turn - x } else { *x })
-                            .collect()
+                        column.map(|x| if reversed { turn - x } else { *x }).collect()
                     })
                     .collect();
-                let score: Vec<f64> = (0..n)
-                    .map(|p| items.iter().map(|i| i[p]).sum::<f64>() / k)
-                    .collect();
+                let score: Vec<f64> =
+                    (0..n).map(|p| items.iter().map(|i| i[p]).sum::<f64>() / k).collect();
                 let name = format!("{}.{}", scale.id, subscale.id);
                 let mean = score.iter().sum::<f64>() / n as f64;
                 let total = variance(&score);
                 let alpha = k / (k - 1.0)
                     * (1.0 - items.iter().map(|i| variance(i)).sum::<f64>() / (k * k * total));
                 // Four standard errors or so of 5,000 people.
-                assert!(
-                    (mean - norms.mean).abs() < 0.06 * norms.sd,
-                    "{name}: mean {mean}"
-                );
+                assert!((mean - norms.mean).abs() < 0.06 * norms.sd, "{name}: mean {mean}");
                 assert!(
                     (total.sqrt() / norms.sd - 1.0).abs() < 0.04,
                     "{name}: sd {}",
@@ -397,10 +322,7 @@ mod tests {
 
     #[test]
     fn items_are_left_out_at_the_rate_asked_for() {
-        let effects = Effects {
-            missing_rate: 0.1,
-            ..effects()
-        };
+        let effects = Effects { missing_rate: 0.1, ..effects() };
         let (_, answers) = everybody(0, 60, &effects);
         let share =
             answers.iter().filter(|a| a.answer.is_none()).count() as f64 / answers.len() as f64;
@@ -418,30 +340,13 @@ mod tests {
     fn effects_for_an_unknown_subscale_are_refused() {
         let mut effects = effects();
         let model = effects.answers["mdsi"]["risky"].clone();
-        effects
-            .answers
-            .get_mut("mdsi")
-            .unwrap()
-            .insert("riskly".to_owned(), model);
-        let cohort = Cohort::draw(
-            0,
-            1,
-            1,
-            &CohortSettings::default(),
-            &crate::testing::design(),
-        )
-        .unwrap();
+        effects.answers.get_mut("mdsi").unwrap().insert("riskly".to_owned(), model);
+        let cohort =
+            Cohort::draw(0, 1, 1, &CohortSettings::default(), &crate::testing::design()).unwrap();
         let error = answer_before(&cohort, &scales(), &effects, 1).unwrap_err();
         assert!(error.to_string().contains("`mdsi.riskly`"), "{error}");
-        effects
-            .answers
-            .get_mut("mdsi")
-            .unwrap()
-            .retain(|name, _| name == "angry");
+        effects.answers.get_mut("mdsi").unwrap().retain(|name, _| name == "angry");
         let error = answer_before(&cohort, &scales(), &effects, 1).unwrap_err();
-        assert!(
-            matches!(error, ParticipantError::ItemWithoutModel { item: 1, .. }),
-            "{error}"
-        );
+        assert!(matches!(error, ParticipantError::ItemWithoutModel { item: 1, .. }), "{error}");
     }
 }

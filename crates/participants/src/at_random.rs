@@ -91,15 +91,9 @@ mod tests {
         assert_ne!(answers, people(4));
         for scale in &scales {
             for (number, item) in (1..).zip(&scale.items) {
-                let given = answers
-                    .iter()
-                    .filter(|a| a.scale == scale.id && a.item == number);
+                let given = answers.iter().filter(|a| a.scale == scale.id && a.item == number);
                 let given: Vec<i32> = given.filter_map(|a| a.answer).collect();
-                assert!(
-                    given.iter().all(|a| item.takes(*a)),
-                    "{} {number}",
-                    scale.id
-                );
+                assert!(given.iter().all(|a| item.takes(*a)), "{} {number}", scale.id);
                 let distinct: BTreeSet<i32> = given.iter().copied().collect();
                 let expected = match item.kind {
                     Kind::Text => 0,
@@ -108,11 +102,7 @@ mod tests {
                     Kind::Number => 50,
                     _ => item.points(),
                 };
-                assert!(
-                    distinct.len() >= expected,
-                    "{} {number}: {distinct:?}",
-                    scale.id
-                );
+                assert!(distinct.len() >= expected, "{} {number}: {distinct:?}", scale.id);
                 assert!(item.expected.is_none() || distinct.len() == 1);
                 assert!(item.kind == Kind::Text || (160..200).contains(&given.len()));
             }

@@ -125,11 +125,7 @@ fn person(
     Ok(Participant {
         population,
         age_years: age_years(group, part, population, within, seed),
-        gender: if picked(within, group.female_share, 0.0) {
-            Gender::Female
-        } else {
-            Gender::Male
-        },
+        gender: if picked(within, group.female_share, 0.0) { Gender::Female } else { Gender::Male },
         professional: part == Part::Learn && picked(index, settings.professional_share, 0.5),
         order: match part {
             Part::Learn => Vec::new(),
@@ -144,28 +140,17 @@ fn person(
 
 fn age_years(group: &Group, part: Part, population: Population, within: usize, seed: u64) -> u32 {
     let pair = (within / 2).to_string();
-    let mut rng = stream(
-        seed,
-        &["age", part.number(), population.as_str(), pair.as_str()],
-    );
+    let mut rng = stream(seed, &["age", part.number(), population.as_str(), pair.as_str()]);
     // A truncated normal: redraw, at most a handful of times, then take the edge.
-    let deviation = (0..8)
-        .map(|_| normal(&mut rng))
-        .find(|z| z.abs() <= 1.5)
-        .unwrap_or(1.5);
+    let deviation = (0..8).map(|_| normal(&mut rng)).find(|z| z.abs() <= 1.5).unwrap_or(1.5);
     let sign = if within.is_multiple_of(2) { 1.0 } else { -1.0 };
-    (group.mean_age_years + sign * deviation * group.sd_age_years)
-        .round()
-        .clamp(18.0, 120.0) as u32
+    (group.mean_age_years + sign * deviation * group.sd_age_years).round().clamp(18.0, 120.0) as u32
 }
 
 /// The order of the conditions. The paper says only that participants experience all four; the method says in random order.
 fn order(within: usize, design: &Design) -> Vec<ConditionId> {
     let ids: Vec<ConditionId> = design.condition_ids().collect();
-    williams(ids.len(), within)
-        .into_iter()
-        .map(|place| ids[place])
-        .collect()
+    williams(ids.len(), within).into_iter().map(|place| ids[place]).collect()
 }
 
 /// The baseline by hand, and a professional's roles; without a baseline whoever is learned from drives the roles. A role lies
@@ -196,13 +181,7 @@ fn drives(
             traits.aggressiveness = side.factor() * level + settings.role_sd * normal(&mut rng);
         }
         Ok(PlannedDrive {
-            drive: DriveId::in_condition(
-                &participant.id,
-                Ride {
-                    condition,
-                    occasion,
-                },
-            )?,
+            drive: DriveId::in_condition(&participant.id, Ride { condition, occasion })?,
             participant: participant.id.clone(),
             part,
             role,
@@ -244,23 +223,13 @@ mod tests {
         ] {
             let group: Vec<&Participant> = people(&cohort, part, population).collect();
             assert_eq!(group.len(), n);
-            assert_eq!(
-                group.iter().filter(|p| p.gender == Gender::Female).count(),
-                women
-            );
+            assert_eq!(group.iter().filter(|p| p.gender == Gender::Female).count(), women);
             let mean = group.iter().map(|p| f64::from(p.age_years)).sum::<f64>() / n as f64;
             assert!((mean - age).abs() < 0.6, "{mean}");
         }
         let professionals = cohort.participants.iter().filter(|p| p.professional);
         assert_eq!(professionals.count(), 4);
-        assert_eq!(
-            cohort
-                .drives
-                .iter()
-                .filter(|d| d.part == Part::Learn)
-                .count(),
-            38
-        );
+        assert_eq!(cohort.drives.iter().filter(|d| d.part == Part::Learn).count(), 38);
     }
 
     #[test]
@@ -284,10 +253,7 @@ mod tests {
         let small = Cohort::draw(4, 2, 7, &CohortSettings::default(), &design()).unwrap();
         assert_eq!(small.participants[..4], paper().participants[..4]);
         assert_eq!(small.participants[4..], paper().participants[30..32]);
-        assert_eq!(
-            small.participants.iter().filter(|p| p.professional).count(),
-            1
-        );
+        assert_eq!(small.participants.iter().filter(|p| p.professional).count(), 1);
         assert_eq!(small.drives.len(), 8);
     }
 
@@ -337,9 +303,7 @@ mod tests {
     }
 
     fn with_conditions(ids: &[&str]) -> Design {
-        let conditions = ids
-            .iter()
-            .map(|id| format!("[[condition]]\nid = \"{id}\"\n"));
+        let conditions = ids.iter().map(|id| format!("[[condition]]\nid = \"{id}\"\n"));
         let text = format!("[study]\ntitle = \"x\"\n{}", conditions.collect::<String>());
         Design::from_toml(&text).unwrap()
     }

@@ -30,18 +30,12 @@ fn covered_once<'a>(
     for id in subscales {
         for &item in &subscale_of(scale, id)?.items {
             if !seen.insert(item) {
-                return Err(ParticipantError::ItemTwice {
-                    scale: scale.id.clone(),
-                    item,
-                });
+                return Err(ParticipantError::ItemTwice { scale: scale.id.clone(), item });
             }
         }
     }
     match (1..=scale.count()).find(|i| !seen.contains(i)) {
-        Some(item) => Err(ParticipantError::ItemWithoutModel {
-            scale: scale.id.clone(),
-            item,
-        }),
+        Some(item) => Err(ParticipantError::ItemWithoutModel { scale: scale.id.clone(), item }),
         None => Ok(()),
     }
 }

@@ -14,9 +14,7 @@ pub type Loadings = BTreeMap<Trait, f64>;
 
 pub(crate) fn weighted(participant: &Participant, loadings: &Loadings) -> f64 {
     let terms = loadings.iter();
-    terms
-        .map(|(name, loading)| loading * participant.latent(*name))
-        .sum()
+    terms.map(|(name, loading)| loading * participant.latent(*name)).sum()
 }
 
 /// Sizes of everything that synthetic people answer and rate by; `study_data/effects.toml`.
@@ -196,10 +194,7 @@ impl Effects {
                 *effect *= factor;
             }
         }
-        let causes = scaled
-            .presses
-            .iter_mut()
-            .flat_map(|p| p.causes.values_mut());
+        let causes = scaled.presses.iter_mut().flat_map(|p| p.causes.values_mut());
         causes.for_each(|effect| *effect *= factor);
         scaled
     }
@@ -246,10 +241,9 @@ impl Effects {
         not_negative("preference.own_sd", self.preference.own_sd)?;
         finite("homophily.mean", self.homophily.mean)?;
         not_negative("homophily.own_sd", self.homophily.own_sd)?;
-        for (table, effects) in [
-            ("preference", &self.preference.effects),
-            ("homophily", &self.homophily.effects),
-        ] {
+        for (table, effects) in
+            [("preference", &self.preference.effects), ("homophily", &self.homophily.effects)]
+        {
             for (name, effect) in effects {
                 finite(&format!("{table}.effects.{}", name.as_str()), *effect)?;
             }
@@ -279,11 +273,9 @@ impl RatingModel {
         ] {
             finite(&format!("{table}.{field}"), found)?;
         }
-        for (field, found) in [
-            ("person_sd", self.person_sd),
-            ("noise_sd", self.noise_sd),
-            ("item_sd", self.item_sd),
-        ] {
+        for (field, found) in
+            [("person_sd", self.person_sd), ("noise_sd", self.noise_sd), ("item_sd", self.item_sd)]
+        {
             not_negative(&format!("{table}.{field}"), found)?;
         }
         Ok(())
@@ -330,18 +322,10 @@ mod tests {
 
     #[test]
     fn a_misspelt_key_or_trait_is_named() {
-        for (right, wrong) in [
-            ("noise_sd", "noize_sd"),
-            ("openness = 0.2 ", "opennes = 0.2 "),
-        ] {
+        for (right, wrong) in [("noise_sd", "noize_sd"), ("openness = 0.2 ", "opennes = 0.2 ")] {
             assert!(FILE.contains(right), "{right}");
             let error = toml::from_str::<Effects>(&FILE.replace(right, wrong)).unwrap_err();
-            assert!(
-                error
-                    .to_string()
-                    .contains(wrong.trim_end_matches(" = 0.2 ")),
-                "{error}"
-            );
+            assert!(error.to_string().contains(wrong.trim_end_matches(" = 0.2 ")), "{error}");
         }
     }
 
@@ -365,10 +349,7 @@ mod tests {
         );
         named(
             &|e| {
-                let competence = e
-                    .ratings
-                    .get_mut("rosas")
-                    .and_then(|m| m.get_mut("competence"));
+                let competence = e.ratings.get_mut("rosas").and_then(|m| m.get_mut("competence"));
                 competence.unwrap().preference = f64::INFINITY;
             },
             "ratings.rosas.competence.preference",

@@ -88,9 +88,5 @@ pub(crate) fn within(
     if (low..=high).contains(&found) {
         return Ok(());
     }
-    Err(ParticipantError::BadSetting {
-        name: name.to_owned(),
-        found,
-        expected,
-    })
+    Err(ParticipantError::BadSetting { name: name.to_owned(), found, expected })
 }

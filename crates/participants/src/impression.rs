@@ -51,10 +51,7 @@ const LARGEST_DIFFERENCE: f64 = 5.0;
 impl Trial<'_> {
     /// Difference of a measure from the own drive, in standard deviations of the population.
     fn difference(&self, measure: &str) -> Option<f64> {
-        let sd = self
-            .spread
-            .get(measure)
-            .filter(|s| s.is_finite() && **s > 0.0)?;
+        let sd = self.spread.get(measure).filter(|s| s.is_finite() && **s > 0.0)?;
         let av = self.values.get(measure).copied().flatten()?;
         let by_hand = self.own.get(measure).copied().flatten()?;
         Some(((av - by_hand) / sd).clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE))
@@ -81,11 +78,7 @@ impl Trial<'_> {
                 }
             }
         }
-        if compared > 0.0 {
-            sum * whole / compared
-        } else {
-            0.0
-        }
+        if compared > 0.0 { sum * whole / compared } else { 0.0 }
     }
 
     pub(crate) fn impression(&self, effects: &Effects, seed: u64) -> (Impression, Vec<String>) {
@@ -170,30 +163,19 @@ mod tests {
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found}");
         // One spread faster, three nearer.
         let (seen, missing) = made_of(&measured([("speed", 27.0), ("room", 10.0)]));
-        assert!(
-            missing.is_empty(),
-            "a weight of 0 asks for nothing: {missing:?}"
-        );
+        assert!(missing.is_empty(), "a weight of 0 asks for nothing: {missing:?}");
         near(seen.shift, 2.0 + 3.0);
         near(seen.distance, 5.0_f64.sqrt());
         near(seen.fit, -(5.0 - 0.25 - 0.5 * openness).powi(2));
         near(seen.likeness, -(0.75 - 0.5 * openness) * 5.0_f64.sqrt());
-        near(
-            preferred_shift(participant, &effects, 1),
-            0.25 + 0.5 * openness,
-        );
+        near(preferred_shift(participant, &effects, 1), 0.25 + 0.5 * openness);
         // What is missing is named, and the rest stands for all of the weight.
         let (seen, missing) = made_of(&measured([("speed", 23.0)]));
         assert_eq!(missing, ["room"]);
         near(seen.shift, -2.0 * 3.0 / 2.0);
         near(seen.distance, 1.0);
         // Beyond five spreads all is alike; without anything to compare nothing is seen.
-        near(
-            made_of(&measured([("speed", 99.0), ("room", 40.0)]))
-                .0
-                .shift,
-            10.0,
-        );
+        near(made_of(&measured([("speed", 99.0), ("room", 40.0)])).0.shift, 10.0);
         near(made_of(&measured([])).0.shift, 0.0);
     }
 }

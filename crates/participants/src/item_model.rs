@@ -50,18 +50,9 @@ impl ItemModel {
             return Err(bad("a sum of others, which the answers to its parts make"));
         };
         let k = subscale.items.len() as f64;
-        let unit = subscale.weight
-            * if scale.scoring == Scoring::Sum {
-                k
-            } else {
-                1.0
-            };
+        let unit = subscale.weight * if scale.scoring == Scoring::Sum { k } else { 1.0 };
         let (mean, score_sd) = (norms.mean / unit, norms.sd / unit);
-        let r = if k > 1.0 {
-            norms.alpha / (k - norms.alpha * (k - 1.0))
-        } else {
-            norms.alpha
-        };
+        let r = if k > 1.0 { norms.alpha / (k - norms.alpha * (k - 1.0)) } else { norms.alpha };
         let variance = k * score_sd * score_sd / (1.0 + (k - 1.0) * r);
         let mut item = Self {
             mean,
@@ -75,24 +66,17 @@ impl ItemModel {
         item.fit_moments(mean, variance)
             .ok_or_else(|| bad("mean and sd that no answers within the range have"))?;
         let latent = item.latent_correlation(&item, r * variance);
-        item.loading = latent
-            .ok_or_else(|| bad("alpha that no answers within the range have"))?
-            .sqrt();
+        item.loading =
+            latent.ok_or_else(|| bad("alpha that no answers within the range have"))?.sqrt();
         Ok(item)
     }
 
     /// Sets latent mean and standard deviation so that the ticked answers have these moments.
     fn fit_moments(&mut self, mean: f64, variance: f64) -> Option<()> {
-        let (width, middle) = (
-            f64::from(self.max - self.min),
-            f64::from(self.max + self.min) / 2.0,
-        );
+        let (width, middle) =
+            (f64::from(self.max - self.min), f64::from(self.max + self.min) / 2.0);
         let centred = |sd: f64| {
-            let ticked = |m: f64| Self {
-                mean: m,
-                sd,
-                ..*self
-            };
+            let ticked = |m: f64| Self { mean: m, sd, ..*self };
             let m = crossing(middle - 50.0 * width, middle + 50.0 * width, |m| {
                 ticked(m).moments().0 - mean
             });
@@ -148,9 +132,8 @@ impl ItemModel {
         };
         // Simpson's rule; the integrand is smooth away from |r| = 1.
         let step = end / STEPS as f64;
-        let inner: f64 = (1..STEPS)
-            .map(|i| density(step * i as f64) * if i % 2 == 1 { 4.0 } else { 2.0 })
-            .sum();
+        let inner: f64 =
+            (1..STEPS).map(|i| density(step * i as f64) * if i % 2 == 1 { 4.0 } else { 2.0 }).sum();
         let boxes = f64::from(self.step) * f64::from(other.step);
         boxes * ((density(0.0) + inner + density(end)) * step / 3.0 / (2.0 * PI))
     }
@@ -158,9 +141,7 @@ impl ItemModel {
     /// The latent correlation that gives ticked answers this covariance.
     fn latent_correlation(&self, other: &Self, covariance: f64) -> Option<f64> {
         const LARGEST: f64 = 0.995;
-        let r = crossing(-LARGEST, LARGEST, |r| {
-            self.covariance(other, r) - covariance
-        });
+        let r = crossing(-LARGEST, LARGEST, |r| self.covariance(other, r) - covariance);
         let met = (self.covariance(other, r) - covariance).abs() < 1e-6;
         met.then_some(r)
     }
@@ -243,11 +224,8 @@ mod tests {
         let norms = scale.subscales[0].norms.as_mut().unwrap();
         (norms.mean, norms.sd) = (k * norms.mean, k * norms.sd);
         let sum = ItemModel::from_norms(&scale, &scale.subscales[0]).unwrap();
-        for (one, other) in [
-            (mean.mean, sum.mean),
-            (mean.sd, sum.sd),
-            (mean.loading, sum.loading),
-        ] {
+        for (one, other) in [(mean.mean, sum.mean), (mean.sd, sum.sd), (mean.loading, sum.loading)]
+        {
             assert!((one - other).abs() < 1e-9, "{one} {other}");
         }
     }
@@ -273,20 +251,13 @@ mod tests {
         let mut scale = scale("mini_ipip");
         let norms = scale.subscales[0].norms.as_mut().unwrap();
         (norms.mean, norms.sd) = (1.1, 1.5);
-        let error = ItemModel::from_norms(&scale, &scale.subscales[0])
-            .unwrap_err()
-            .to_string();
+        let error = ItemModel::from_norms(&scale, &scale.subscales[0]).unwrap_err().to_string();
         assert!(
             error.contains("`mini_ipip.extraversion`") && error.contains("mean and sd"),
             "{error}"
         );
         scale.subscales[1].norms = None;
-        let error = ItemModel::from_norms(&scale, &scale.subscales[1])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("agreeableness") && error.contains("no norms"),
-            "{error}"
-        );
+        let error = ItemModel::from_norms(&scale, &scale.subscales[1]).unwrap_err().to_string();
+        assert!(error.contains("agreeableness") && error.contains("no norms"), "{error}");
     }
 }

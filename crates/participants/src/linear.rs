@@ -34,11 +34,7 @@ mod tests {
 
     #[test]
     fn the_triangle_gives_the_matrix_back() {
-        let matrix = vec![
-            vec![4.0, 2.0, 0.0],
-            vec![2.0, 5.0, 0.0],
-            vec![0.0, 0.0, 0.0],
-        ];
+        let matrix = vec![vec![4.0, 2.0, 0.0], vec![2.0, 5.0, 0.0], vec![0.0, 0.0, 0.0]];
         let lower = cholesky(&matrix).unwrap();
         for i in 0..3 {
             for j in 0..3 {

@@ -190,10 +190,7 @@ mod tests {
             assert_eq!(gender.as_str().parse::<Gender>().unwrap(), gender);
         }
         for population in [Population::Internal, Population::External] {
-            assert_eq!(
-                population.as_str().parse::<Population>().unwrap(),
-                population
-            );
+            assert_eq!(population.as_str().parse::<Population>().unwrap(), population);
         }
         assert!("x".parse::<Gender>().is_err() && "x".parse::<Population>().is_err());
     }

@@ -90,14 +90,8 @@ mod tests {
     use maveric_domain::{ConditionId, DriveId};
 
     fn model(causes: &[(&str, f64)]) -> PressModel {
-        let causes = causes
-            .iter()
-            .map(|(id, effect)| ((*id).to_owned(), *effect));
-        PressModel {
-            per_minute: 0.6,
-            person_sd: 0.0,
-            causes: causes.collect(),
-        }
+        let causes = causes.iter().map(|(id, effect)| ((*id).to_owned(), *effect));
+        PressModel { per_minute: 0.6, person_sd: 0.0, causes: causes.collect() }
     }
 
     /// An hour, every second minute of which brakes.
@@ -151,10 +145,7 @@ mod tests {
         assert!(model(&[("braking_mps2", 0.5)]).check().is_ok());
         assert!(told(model(&[("breaking", 0.5)])).contains("presses.causes.breaking"));
         for per_minute in [0.0, -1.0, 60.0, f64::NAN] {
-            let wrong = PressModel {
-                per_minute,
-                ..model(&[])
-            };
+            let wrong = PressModel { per_minute, ..model(&[]) };
             assert!(told(wrong).contains("presses.per_minute"));
         }
     }

@@ -29,10 +29,7 @@ impl fmt::Display for RatingWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (participant, condition) = (&self.participant, self.condition);
         let measures = self.measures.join(", ");
-        write!(
-            f,
-            "participant {participant} ({condition}) was rated without {measures}"
-        )
+        write!(f, "participant {participant} ({condition}) was rated without {measures}")
     }
 }
 

@@ -46,15 +46,12 @@ pub(crate) fn with_total(items: &[Item], total: i64, item_sd: f64, rng: &mut Pcg
     let ends = |end: fn(&Item) -> i32| sum_of(&items.iter().map(end).collect::<Vec<i32>>());
     let total = total.clamp(ends(|item| item.min), ends(|item| item.max));
     let mean = total as f64 / items.len() as f64;
-    let mut answers: Vec<i32> = items
-        .iter()
-        .map(|item| grade(item, mean + item_sd * normal(rng)))
-        .collect();
+    let mut answers: Vec<i32> =
+        items.iter().map(|item| grade(item, mean + item_sd * normal(rng))).collect();
     loop {
         let step = (total - sum_of(&answers)).signum() as i32;
-        let free: Vec<usize> = (0..items.len())
-            .filter(|&i| items[i].takes(answers[i] + step))
-            .collect();
+        let free: Vec<usize> =
+            (0..items.len()).filter(|&i| items[i].takes(answers[i] + step)).collect();
         if step == 0 || free.is_empty() {
             return answers;
         }
@@ -74,10 +71,7 @@ mod tests {
     #[test]
     fn the_nearest_box_is_ticked_and_a_reversed_item_the_other_way() {
         let mut scale = scale();
-        assert_eq!(
-            [0.4, 2.4, 2.5, 4.6, 9.0].map(|v| grade(&scale.items[0], v)),
-            [1, 2, 3, 5, 5]
-        );
+        assert_eq!([0.4, 2.4, 2.5, 4.6, 9.0].map(|v| grade(&scale.items[0], v)), [1, 2, 3, 5, 5]);
         scale.items[1].reversed = true;
         let subscale = &scale.subscales[0];
         assert_eq!(as_given(&scale, subscale, 1, 4), 4);

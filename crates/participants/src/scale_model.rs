@@ -53,9 +53,7 @@ impl<'a> ScaleModel<'a> {
         }
         let shared = |a: &Loadings, b: &Loadings| -> f64 {
             let terms = a.iter().flat_map(|x| b.iter().map(move |y| (x, y)));
-            terms
-                .map(|((t, l), (u, m))| l * m * traits.correlation(*t, *u))
-                .sum()
+            terms.map(|((t, l), (u, m))| l * m * traits.correlation(*t, *u)).sum()
         };
         let bad = |subscale: &str, problem| ParticipantError::BadNorms {
             scale: scale.id.clone(),
@@ -85,25 +83,15 @@ impl<'a> ScaleModel<'a> {
             }
             let wanted = factors[i].item.factor_correlation(&factors[j].item, pair.r);
             let wanted = wanted.ok_or_else(|| {
-                bad(
-                    &pair.of[0],
-                    "a correlation larger than its reliability allows",
-                )
+                bad(&pair.of[0], "a correlation larger than its reliability allows")
             })?;
             let covariance = wanted - shared(factors[i].loadings, factors[j].loadings);
             (rest[i][j], rest[j][i]) = (covariance, covariance);
         }
         let own_parts = cholesky(&rest).map_err(|_| {
-            bad(
-                "correlations",
-                "values that contradict each other or the loadings on traits",
-            )
+            bad("correlations", "values that contradict each other or the loadings on traits")
         })?;
-        Ok(Self {
-            scale,
-            factors,
-            own_parts,
-        })
+        Ok(Self { scale, factors, own_parts })
     }
 
     /// The factors of one person, from a draw a factor.
@@ -112,10 +100,6 @@ impl<'a> ScaleModel<'a> {
             let traits = weighted(participant, factor.loadings);
             traits + own.iter().zip(draws).map(|(w, z)| w * z).sum::<f64>()
         };
-        self.factors
-            .iter()
-            .zip(&self.own_parts)
-            .map(factor)
-            .collect()
+        self.factors.iter().zip(&self.own_parts).map(factor).collect()
     }
 }

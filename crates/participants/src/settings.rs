@@ -125,30 +125,14 @@ impl CohortSettings {
             Aggressiveness, Agreeableness, Conscientiousness, Extraversion, Neuroticism, Openness,
         };
         [
-            (
-                Conscientiousness,
-                Aggressiveness,
-                self.conscientiousness_aggressiveness,
-            ),
-            (
-                Agreeableness,
-                Aggressiveness,
-                self.agreeableness_aggressiveness,
-            ),
+            (Conscientiousness, Aggressiveness, self.conscientiousness_aggressiveness),
+            (Agreeableness, Aggressiveness, self.agreeableness_aggressiveness),
             (Extraversion, Openness, self.extraversion_openness),
             (Extraversion, Agreeableness, self.extraversion_agreeableness),
             (Extraversion, Neuroticism, self.extraversion_neuroticism),
             (Agreeableness, Openness, self.agreeableness_openness),
-            (
-                Agreeableness,
-                Conscientiousness,
-                self.agreeableness_conscientiousness,
-            ),
-            (
-                Conscientiousness,
-                Neuroticism,
-                self.conscientiousness_neuroticism,
-            ),
+            (Agreeableness, Conscientiousness, self.agreeableness_conscientiousness),
+            (Conscientiousness, Neuroticism, self.conscientiousness_neuroticism),
         ]
     }
 
@@ -179,10 +163,7 @@ mod tests {
         let error = with(0.7, 0.8).unwrap_err();
         assert!(error.contains("high_velocity_pace²"), "{error}");
         let older = CohortSettings {
-            study1: Group {
-                mean_age_years: 17.9,
-                ..CohortSettings::default().study1
-            },
+            study1: Group { mean_age_years: 17.9, ..CohortSettings::default().study1 },
             ..CohortSettings::default()
         };
         let error = older.check().unwrap_err().to_string();

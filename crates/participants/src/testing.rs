@@ -111,11 +111,7 @@ pub(crate) fn score(
         .filter_map(|a| {
             let reversed = scale.is_reversed(subscale, a.item);
             a.answer.map(|x| {
-                f64::from(if reversed {
-                    scale.items[0].min + scale.items[0].max - x
-                } else {
-                    x
-                })
+                f64::from(if reversed { scale.items[0].min + scale.items[0].max - x } else { x })
             })
         })
         .collect();
@@ -142,25 +138,14 @@ impl TestStudy {
         let scales = scales();
         let cohort = Cohort::draw(0, n, seed, &CohortSettings::default(), &design()).unwrap();
         let mut answers = answer_before(&cohort, &scales, effects, seed).unwrap();
-        let own: Vec<MeasureValues> = cohort
-            .participants
-            .iter()
-            .map(|p| own_measures(&p.id, seed))
-            .collect();
+        let own: Vec<MeasureValues> =
+            cohort.participants.iter().map(|p| own_measures(&p.id, seed)).collect();
         let spread: BTreeMap<String, f64> = spread(&own.iter().collect::<Vec<_>>());
         for (p, own) in cohort.participants.iter().zip(&own) {
             let trials = trials(own, &p.id, seed);
-            answers.extend(
-                rate(p, own, &trials, &spread, &scales, effects, seed)
-                    .unwrap()
-                    .answers,
-            );
+            answers.extend(rate(p, own, &trials, &spread, &scales, effects, seed).unwrap().answers);
         }
-        Self {
-            cohort,
-            scales,
-            answers,
-        }
+        Self { cohort, scales, answers }
     }
 
     /// A subscale's score for everybody, in the order of the cohort.
@@ -168,15 +153,10 @@ impl TestStudy {
         let mut asked: BTreeMap<&ParticipantId, Vec<Answer>> = BTreeMap::new();
         let of_scale = |a: &&Answer| a.moment == moment && a.scale == scale;
         for answer in self.answers.iter().filter(of_scale) {
-            asked
-                .entry(&answer.participant)
-                .or_default()
-                .push(answer.clone());
+            asked.entry(&answer.participant).or_default().push(answer.clone());
         }
         let people = self.cohort.participants.iter();
-        people
-            .map(|p| score(&asked[&p.id], &self.scales, &p.id, moment, scale, subscale))
-            .collect()
+        people.map(|p| score(&asked[&p.id], &self.scales, &p.id, moment, scale, subscale)).collect()
     }
 
     pub(crate) fn mimic_minus(&self, other: ConditionId, scale: &str, subscale: &str) -> Vec<f64> {

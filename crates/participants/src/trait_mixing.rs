@@ -28,29 +28,15 @@ impl TraitMixing {
             Neuroticism, Openness, Pace, Spacing,
         };
         settings.check()?;
-        let order = [
-            Aggressiveness,
-            Conscientiousness,
-            Openness,
-            Extraversion,
-            Agreeableness,
-            Neuroticism,
-        ];
+        let order =
+            [Aggressiveness, Conscientiousness, Openness, Extraversion, Agreeableness, Neuroticism];
         let pairs = settings.correlations();
         let correlation = |x: Trait, y: Trait| {
-            let pair = pairs
-                .iter()
-                .find(|(a, b, _)| (*a, *b) == (x, y) || (*b, *a) == (x, y));
-            if x == y {
-                1.0
-            } else {
-                pair.map_or(0.0, |p| p.2)
-            }
+            let pair = pairs.iter().find(|(a, b, _)| (*a, *b) == (x, y) || (*b, *a) == (x, y));
+            if x == y { 1.0 } else { pair.map_or(0.0, |p| p.2) }
         };
-        let wanted: Vec<Vec<f64>> = order
-            .iter()
-            .map(|x| order.iter().map(|y| correlation(*x, *y)).collect())
-            .collect();
+        let wanted: Vec<Vec<f64>> =
+            order.iter().map(|x| order.iter().map(|y| correlation(*x, *y)).collect()).collect();
         let lower = cholesky(&wanted).map_err(|found| ParticipantError::BadSetting {
             name: "correlations of the Big Five".to_owned(),
             found,
@@ -64,10 +50,7 @@ impl TraitMixing {
         }
         mixing[place(Spacing)][place(Spacing)] = 1.0;
         mixing[place(Pace)][place(Pace)] = 1.0;
-        let (a, c) = (
-            settings.high_velocity_aggressiveness,
-            settings.high_velocity_pace,
-        );
+        let (a, c) = (settings.high_velocity_aggressiveness, settings.high_velocity_pace);
         let velocity = &mut mixing[place(HighVelocity)];
         velocity[place(Aggressiveness)] = a;
         velocity[place(Pace)] = c;
@@ -77,11 +60,7 @@ impl TraitMixing {
 
     /// A trait from the nine draws.
     pub(crate) fn mix(&self, name: Trait, draws: &[f64; N]) -> f64 {
-        self.0[place(name)]
-            .iter()
-            .zip(draws)
-            .map(|(w, z)| w * z)
-            .sum()
+        self.0[place(name)].iter().zip(draws).map(|(w, z)| w * z).sum()
     }
 
     pub(crate) fn correlation(&self, x: Trait, y: Trait) -> f64 {
@@ -99,26 +78,10 @@ mod tests {
         let settings = CohortSettings::default();
         let mixing = TraitMixing::new(&settings).unwrap();
         for (x, y, r) in [
-            (
-                Trait::Extraversion,
-                Trait::Openness,
-                settings.extraversion_openness,
-            ),
-            (
-                Trait::Neuroticism,
-                Trait::Conscientiousness,
-                settings.conscientiousness_neuroticism,
-            ),
-            (
-                Trait::Agreeableness,
-                Trait::Aggressiveness,
-                settings.agreeableness_aggressiveness,
-            ),
-            (
-                Trait::HighVelocity,
-                Trait::Pace,
-                settings.high_velocity_pace,
-            ),
+            (Trait::Extraversion, Trait::Openness, settings.extraversion_openness),
+            (Trait::Neuroticism, Trait::Conscientiousness, settings.conscientiousness_neuroticism),
+            (Trait::Agreeableness, Trait::Aggressiveness, settings.agreeableness_aggressiveness),
+            (Trait::HighVelocity, Trait::Pace, settings.high_velocity_pace),
             (Trait::Spacing, Trait::Pace, 0.0),
             (Trait::Openness, Trait::Openness, 1.0),
         ] {

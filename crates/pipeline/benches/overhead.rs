@@ -19,11 +19,8 @@ fn main() {
 fn chains(stages: usize) -> String {
     let mut text = "name = 'p'\n".to_owned();
     for i in 0..stages {
-        let input = if i % 100 == 0 {
-            "source.txt".to_owned()
-        } else {
-            format!("out/{}.txt", i - 1)
-        };
+        let input =
+            if i % 100 == 0 { "source.txt".to_owned() } else { format!("out/{}.txt", i - 1) };
         writeln!(
             text,
             "[[stage]]\nname = 's{i}'\ncmd = ['cp', '{input}', 'out/{i}.txt']\n\
@@ -46,12 +43,9 @@ fn read(text: &str, root: &Path) -> Pipeline {
 #[divan::bench(name = "pipeline/graph_read_and_ordered", args = [100, 10_000])]
 fn graph(bencher: Bencher<'_, '_>, stages: usize) {
     let text = chains(stages);
-    bencher.counter(ItemsCount::new(stages)).bench_local(|| {
-        Graph::new(&read(&text, ".".as_ref()))
-            .unwrap()
-            .ordered()
-            .count()
-    });
+    bencher
+        .counter(ItemsCount::new(stages))
+        .bench_local(|| Graph::new(&read(&text, ".".as_ref())).unwrap().ordered().count());
 }
 
 /// Each stage is a process of `cp`; how long that takes alone is the next bench.
@@ -78,10 +72,7 @@ fn processes(bencher: Bencher<'_, '_>, stages: usize) {
             for i in 0..stages {
                 let mut cp = std::process::Command::new("cp");
                 let to = format!("{i}.txt");
-                let status = cp
-                    .args(["source.txt", &to])
-                    .current_dir(folder.path())
-                    .status();
+                let status = cp.args(["source.txt", &to]).current_dir(folder.path()).status();
                 assert!(status.unwrap().success());
             }
         });
@@ -107,11 +98,7 @@ fn hash(bencher: Bencher<'_, '_>, files: usize) {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("data")).unwrap();
     for i in 0..files {
-        fs::write(
-            folder.path().join(format!("data/{i}")),
-            vec![7; BYTES / files],
-        )
-        .unwrap();
+        fs::write(folder.path().join(format!("data/{i}")), vec![7; BYTES / files]).unwrap();
     }
     let text = "name = 'p'\n[[stage]]\nname = 's'\ncmd = ['true']\ninputs = ['data']\n";
     let pipeline = read(text, folder.path());

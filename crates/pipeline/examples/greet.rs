@@ -29,25 +29,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn bring_up_to_date(place: &Place, set: &[(String, String)]) -> Result<(), PipelineError> {
-    let settings = Settings {
-        set: set.to_vec(),
-        ..Settings::default()
-    };
+    let settings = Settings { set: set.to_vec(), ..Settings::default() };
     let pipeline = Pipeline::parse(PIPELINE, "greeting.toml".as_ref(), &place.root, &settings)?;
-    let report = run(
-        &pipeline,
-        place,
-        &RunOptions::default(),
-        &mut |event| match event {
-            Event::Started { stage, reasons, .. } => {
-                for reason in reasons {
-                    println!("{stage} runs: {reason}");
-                }
+    let report = run(&pipeline, place, &RunOptions::default(), &mut |event| match event {
+        Event::Started { stage, reasons, .. } => {
+            for reason in reasons {
+                println!("{stage} runs: {reason}");
             }
-            Event::UpToDate { stage, .. } => println!("{stage} is up to date"),
-            _ => {}
-        },
-    )?;
+        }
+        Event::UpToDate { stage, .. } => println!("{stage} is up to date"),
+        _ => {}
+    })?;
     for summary in report.summaries {
         println!("{}: {} bytes\n", summary.stage, summary.text.trim());
     }

@@ -69,8 +69,7 @@ pub fn atomic_write_bytes(
     durability: Durability,
 ) -> Result<(), PipelineError> {
     atomic_write(path, durability, |file| {
-        file.write_all(bytes)
-            .map_err(PipelineError::io("write", path))
+        file.write_all(bytes).map_err(PipelineError::io("write", path))
     })
 }
 
@@ -113,11 +112,7 @@ fn named_after(path: &Path) -> String {
 /// Removes what killed writers of a file, and of those named after it, left beside it: whoever calls this knows that nobody else writes it.
 pub(crate) fn remove_unfinished(path: &Path) {
     let prefix = named_after(path);
-    for entry in fs::read_dir(folder_of(path))
-        .into_iter()
-        .flatten()
-        .flatten()
-    {
+    for entry in fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         if name.starts_with(&prefix) && is_unfinished(&name) {
             let _ = fs::remove_file(entry.path());
@@ -143,9 +138,7 @@ fn remove_left_behind(folder: &Path) {
             continue;
         }
         let age = entry.metadata().and_then(|m| m.modified()).ok();
-        let old = age
-            .and_then(|t| t.elapsed().ok())
-            .is_some_and(|age| age > UNLOCKED);
+        let old = age.and_then(|t| t.elapsed().ok()).is_some_and(|age| age > UNLOCKED);
         if old
             && let Ok(file) = File::options().write(true).open(entry.path())
             && file.try_lock().is_ok()
@@ -161,9 +154,7 @@ mod tests {
 
     fn names(folder: &Path) -> BTreeSet<String> {
         let entries = fs::read_dir(folder).unwrap();
-        entries
-            .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-            .collect()
+        entries.map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect()
     }
 
     #[test]
@@ -182,12 +173,7 @@ mod tests {
         fs::write(at(".maveric-fresh.tmp"), "").unwrap();
         drop(make("mine.tmp"));
         atomic_write_bytes(&at("table.csv"), b"a\n1\n", Durability::Synced).unwrap();
-        let expected = [
-            ".maveric-fresh.tmp",
-            ".maveric-used.tmp",
-            "mine.tmp",
-            "table.csv",
-        ];
+        let expected = [".maveric-fresh.tmp", ".maveric-used.tmp", "mine.tmp", "table.csv"];
         assert_eq!(names(folder.path()), expected.map(str::to_owned).into());
     }
 
@@ -199,16 +185,9 @@ mod tests {
             let before = fs::read_to_string(&path).unwrap_or_default();
             let fill = |file: &mut File| {
                 file.write_all(text.as_bytes()).unwrap();
-                if ends_well {
-                    Ok(())
-                } else {
-                    Err(PipelineError::Interrupted)
-                }
+                if ends_well { Ok(()) } else { Err(PipelineError::Interrupted) }
             };
-            assert_eq!(
-                atomic_write(&path, Durability::Written, fill).is_ok(),
-                ends_well
-            );
+            assert_eq!(atomic_write(&path, Durability::Written, fill).is_ok(), ends_well);
             let now = fs::read_to_string(&path).unwrap();
             assert_eq!(now, if ends_well { text } else { &before });
             assert_eq!(names(path.parent().unwrap()).len(), 1);

@@ -55,11 +55,7 @@ pub(crate) enum Attempt {
 /// How one try of a stage ended.
 enum Tried {
     Ended(Attempt),
-    Failed {
-        cause: FailureCause,
-        last_lines: Vec<String>,
-        seconds: f64,
-    },
+    Failed { cause: FailureCause, last_lines: Vec<String>, seconds: f64 },
 }
 
 /// What is heard of a stage on the way.
@@ -112,11 +108,7 @@ impl Workshop<'_> {
             }
             let (cause, last_lines, seconds) = match tried? {
                 Tried::Ended(attempt) => return Ok(attempt),
-                Tried::Failed {
-                    cause,
-                    last_lines,
-                    seconds,
-                } => (cause, last_lines, seconds),
+                Tried::Failed { cause, last_lines, seconds } => (cause, last_lines, seconds),
             };
             self.leave(stage)?;
             let is_final = matches!(
@@ -142,11 +134,7 @@ impl Workshop<'_> {
         let started = Instant::now();
         let ended = self.execute(stage, &now.files, tell)?;
         let seconds = started.elapsed().as_secs_f64();
-        let failed = |cause, last_lines| Tried::Failed {
-            cause,
-            last_lines,
-            seconds,
-        };
+        let failed = |cause, last_lines| Tried::Failed { cause, last_lines, seconds };
         Ok(match ended {
             Ended::Interrupted => {
                 self.leave(stage)?;
@@ -168,26 +156,14 @@ impl Workshop<'_> {
                 };
                 failed(cause, Vec::new())
             }
-            Ended::Exited {
-                status,
-                peak_memory,
-                stdout,
-                last_lines,
-            } => {
+            Ended::Exited { status, peak_memory, stdout, last_lines } => {
                 if let Some(cause) = exit_cause(status) {
                     return Ok(failed(cause, last_lines));
                 }
-                let run = Run {
-                    made_from: now.made_from.clone(),
-                    seconds,
-                    peak_memory,
-                    stdout: &stdout,
-                };
+                let run =
+                    Run { made_from: now.made_from.clone(), seconds, peak_memory, stdout: &stdout };
                 match self.record(stage, run, tell)? {
-                    None => Tried::Ended(Attempt::Done {
-                        seconds,
-                        peak_memory,
-                    }),
+                    None => Tried::Ended(Attempt::Done { seconds, peak_memory }),
                     Some(cause) => failed(cause, last_lines),
                 }
             }
@@ -264,11 +240,7 @@ impl Workshop<'_> {
         let Some(record) = &past.record else { return };
         let overrides = self.pipeline.overrides();
         for reason in reasons {
-            if let Reason::ParameterChanged {
-                name,
-                before: Some(before),
-                now: Some(now),
-            } = reason
+            if let Reason::ParameterChanged { name, before: Some(before), now: Some(now) } = reason
                 && (overrides.contains_key(name) || record.set.contains_key(name))
             {
                 let mut replaced = self.replaced.lock().unwrap_or_else(PoisonError::into_inner);
@@ -297,10 +269,7 @@ impl Workshop<'_> {
             arguments: &self.place.arguments_of(stage, files),
             root: &self.place.root,
             stdin: self.lock.as_stdin()?,
-            limit: stage
-                .resources
-                .minutes
-                .map(|n| Duration::from_mins(n.into())),
+            limit: stage.resources.minutes.map(|n| Duration::from_mins(n.into())),
             log,
         };
         local::run(job, self.stop, &mut |line| tell(News::Line(line))).map_err(failed())

@@ -72,10 +72,7 @@ impl Made {
 }
 
 fn is_hash(text: &str) -> bool {
-    text.len() == 64
-        && text
-            .bytes()
-            .all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+    text.len() == 64 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
 }
 
 /// How a run ended that is to be kept.
@@ -91,9 +88,7 @@ impl Cache {
     /// # Errors
     /// As [`Store::open`].
     pub(crate) fn open(place: &Path) -> Result<Self, PipelineError> {
-        Ok(Self {
-            store: Store::open(place)?,
-        })
+        Ok(Self { store: Store::open(place)? })
     }
 
     /// The name of a run of `stage` that was made from what has `digest`.
@@ -212,14 +207,8 @@ impl Cache {
             for (within, content) in found {
                 let path = root.join(format!("{output}{within}"));
                 let executable = is_executable(&path);
-                self.store
-                    .send(&path, &Self::content_of(&content), executable)?;
-                files.push(CachedFile {
-                    output: output.clone(),
-                    within,
-                    content,
-                    executable,
-                });
+                self.store.send(&path, &Self::content_of(&content), executable)?;
+                files.push(CachedFile { output: output.clone(), within, content, executable });
             }
         }
         let cached = Made {
@@ -273,10 +262,7 @@ mod tests {
             assert!(with(&|m| m.files[0].within = within.to_owned()), "{within}");
         }
         for within in ["x", "/", "//x", "/x/", "/../x", "/x/..", "/.", "/x/./y"] {
-            assert!(
-                !with(&|m| m.files[0].within = within.to_owned()),
-                "{within}"
-            );
+            assert!(!with(&|m| m.files[0].within = within.to_owned()), "{within}");
         }
         for content in [
             "",
@@ -286,26 +272,15 @@ mod tests {
             &format!("{hash}0"),
             &hash.replace('f', "g"),
         ] {
-            assert!(
-                !with(&|m| m.files[0].content = content.to_owned()),
-                "{content}"
-            );
+            assert!(!with(&|m| m.files[0].content = content.to_owned()), "{content}");
             let in_output =
                 |m: &mut Made| drop(m.outputs.insert("b.csv".to_owned(), content.to_owned()));
             assert!(!with(&in_output), "{content}");
         }
-        assert!(
-            !with(&|m| m.files[0].output = "c".to_owned()),
-            "of another output"
-        );
-        assert!(
-            !with(&|m| drop(m.outputs.insert("c".to_owned(), hash.clone()))),
-            "one too many"
-        );
+        assert!(!with(&|m| m.files[0].output = "c".to_owned()), "of another output");
+        assert!(!with(&|m| drop(m.outputs.insert("c".to_owned(), hash.clone()))), "one too many");
         assert!(!with(&|m| drop(m.outputs.remove("b.csv"))), "one too few");
         let many = format!("{hash} in some files");
-        assert!(!with(&|m| drop(
-            m.outputs.insert("out".to_owned(), many.clone())
-        )));
+        assert!(!with(&|m| drop(m.outputs.insert("out".to_owned(), many.clone()))));
     }
 }

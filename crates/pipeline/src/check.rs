@@ -31,11 +31,7 @@ impl Present {
         let made_from = Manifest::list(stage, &files, place.program.as_ref(), hasher)?;
         let not_found = |path: &&String| !made_from.has_input(path);
         missing.extend(stage.inputs.iter().filter(not_found).cloned());
-        Ok(Self {
-            made_from,
-            files,
-            missing,
-        })
+        Ok(Self { made_from, files, missing })
     }
 }
 
@@ -63,11 +59,7 @@ impl Past {
         hasher: &Hasher<'_>,
     ) -> Result<Vec<Reason>, PipelineError> {
         let Some(record) = &self.record else {
-            return Ok(vec![if self.begun {
-                Reason::Unfinished
-            } else {
-                Reason::NeverRun
-            }]);
+            return Ok(vec![if self.begun { Reason::Unfinished } else { Reason::NeverRun }]);
         };
         let mut reasons = record.made_from.differences(now);
         for output in &stage.outputs {

@@ -53,12 +53,7 @@ pub fn clean(
     if targets.is_empty() {
         keys.extend(gone(pipeline, ledger.get()));
     }
-    let cleaning = Cleaning {
-        place,
-        hasher,
-        force,
-        dry_run,
-    };
+    let cleaning = Cleaning { place, hasher, force, dry_run };
     let mut cleaned = Cleaned::default();
     for key in &keys {
         let Some(stage) = ledger.get().stage_of(key).map(str::to_owned) else {

@@ -309,10 +309,8 @@ impl<'a> Hasher<'a> {
                 break;
             }
             ahead.resize(block, 0);
-            let (_, read) = rayon::join(
-                || hasher.update_rayon(hashed).count(),
-                || fill(&mut file, &mut ahead),
-            );
+            let (_, read) =
+                rayon::join(|| hasher.update_rayon(hashed).count(), || fill(&mut file, &mut ahead));
             filled = read.map_err(failed())?;
         }
         Ok(hasher.finalize().to_hex().to_string())

@@ -140,11 +140,7 @@ pub fn diff(first: &RunAt, second: &RunAt) -> Result<RunDifference, PipelineErro
         if made_from.is_empty() && outputs.is_empty() {
             same += 1;
         } else {
-            stages.push(StageDifference {
-                stage: stage.clone(),
-                made_from,
-                outputs,
-            });
+            stages.push(StageDifference { stage: stage.clone(), made_from, outputs });
         }
     }
     Ok(RunDifference {
@@ -190,9 +186,7 @@ fn template(path: &str, params: &[(String, String)]) -> String {
 fn templated_outputs(record: &Record) -> BTreeMap<String, (&String, &String)> {
     let params = path_params(record);
     let outputs = record.outputs.iter();
-    outputs
-        .map(|(path, content)| (template(path, &params), (path, content)))
-        .collect()
+    outputs.map(|(path, content)| (template(path, &params), (path, content))).collect()
 }
 
 fn outputs(
@@ -251,10 +245,7 @@ fn compare(
             let name = |entry: std::io::Result<fs::DirEntry>| {
                 Ok(entry?.file_name().to_string_lossy().into_owned())
             };
-            entries
-                .map(name)
-                .collect::<std::io::Result<_>>()
-                .map_err(failed())
+            entries.map(name).collect::<std::io::Result<_>>().map_err(failed())
         };
         let (in_a, in_b) = (names(a)?, names(b)?);
         for name in in_a.union(&in_b) {
@@ -277,10 +268,7 @@ fn compare(
 }
 
 fn file_difference(path: String, a: &[u8], b: &[u8]) -> FileDifference {
-    let extension = Path::new(&path)
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let extension = Path::new(&path).extension().unwrap_or_default().to_string_lossy();
     let cells = match &*extension.to_ascii_lowercase() {
         "json" => numbers::json_cells(a).zip(numbers::json_cells(b)),
         "csv" => numbers::csv_cells(a, b',').zip(numbers::csv_cells(b, b',')),
@@ -310,11 +298,7 @@ impl RunDifference {
             lines.extend(stage.made_from.iter().map(|reason| format!("    {reason}")));
             lines.extend(stage.outputs.iter().flat_map(FileDifference::lines));
         }
-        let noun = if self.same == 1 {
-            "stage is"
-        } else {
-            "stages are"
-        };
+        let noun = if self.same == 1 { "stage is" } else { "stages are" };
         lines.push(format!("{} {noun} the same in both", self.same));
         lines
     }
@@ -333,14 +317,7 @@ impl FileDifference {
                 "  {path}: differs, but is no longer what the {} run had made",
                 which(first)
             )],
-            Self::Numbers {
-                path,
-                compared,
-                differing,
-                largest,
-                unpaired,
-                texts,
-            } => {
+            Self::Numbers { path, compared, differing, largest, unpaired, texts } => {
                 let what = match (compared, differing) {
                     (0, _) => "has other texts".to_owned(),
                     (_, 0) => format!("all {compared} numbers are the same, other parts differ"),

@@ -94,10 +94,7 @@ mod tests {
             "digraph \"test\" {\n  rankdir=LR;\n  node [shape=box];\n  \"make\";\n  \"use\";\n  \
              \"make\" -> \"use\";\n}\n"
         );
-        assert_eq!(
-            graph.mermaid(),
-            "flowchart LR\n  s0[\"make\"]\n  s1[\"use\"]\n  s0 --> s1\n"
-        );
+        assert_eq!(graph.mermaid(), "flowchart LR\n  s0[\"make\"]\n  s1[\"use\"]\n  s0 --> s1\n");
     }
 
     #[test]

@@ -273,18 +273,10 @@ impl PipelineError {
                  to be removed or put aside (--move-aside)",
                 path.to_slash_lossy()
             )),
-            Self::LedgerFormat {
-                path,
-                found,
-                supported,
-            } => Some(format!(
+            Self::LedgerFormat { path, found, supported } => Some(format!(
                 "{}delete {}: every stage then runs again, and what former \
                  runs made has to be removed or put aside (--move-aside)",
-                if found > supported {
-                    "use the newer program, or "
-                } else {
-                    ""
-                },
+                if found > supported { "use the newer program, or " } else { "" },
                 path.to_slash_lossy()
             )),
             Self::OtherRoot { before, .. } => Some(format!(
@@ -309,9 +301,9 @@ impl PipelineError {
                         .to_owned(),
                 )
             }),
-            Self::OnCluster { engine, .. } => Some(format!(
-                "follow them with `--executor {engine}`, or cancel the jobs first"
-            )),
+            Self::OnCluster { engine, .. } => {
+                Some(format!("follow them with `--executor {engine}`, or cancel the jobs first"))
+            }
             Self::Engine { .. } => {
                 Some("check that the cluster's programs are on the PATH and answer".to_owned())
             }
@@ -345,11 +337,7 @@ impl PipelineError {
         path: impl Into<PathBuf>,
     ) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io {
-            doing,
-            path,
-            source,
-        }
+        move |source| Self::Io { doing, path, source }
     }
 }
 
@@ -372,9 +360,7 @@ fn counted(count: usize) -> String {
 }
 
 fn holder(pid: Option<u32>) -> String {
-    pid.map_or_else(String::new, |pid| {
-        format!(", process {pid} or a stage that it left behind,")
-    })
+    pid.map_or_else(String::new, |pid| format!(", process {pid} or a stage that it left behind,"))
 }
 
 fn circle(steps: &[CycleStep]) -> String {

@@ -83,10 +83,8 @@ impl Pipeline {
     /// [`PipelineError::Unreadable`] if there is no such text file, otherwise as
     /// [`Pipeline::parse`].
     pub fn read(path: &Path, root: &Path, settings: &Settings) -> Result<Self, PipelineError> {
-        let text = std::fs::read_to_string(path).map_err(|source| PipelineError::Unreadable {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| PipelineError::Unreadable { path: path.to_owned(), source })?;
         Self::parse(&text, path, root, settings)
     }
 
@@ -119,9 +117,7 @@ impl Pipeline {
         root: &Path,
         settings: &Settings,
     ) -> Result<Self, PipelineError> {
-        with_layers(path, text, &[], &mut |layers| {
-            Self::assemble(layers, path, root, settings)
-        })
+        with_layers(path, text, &[], &mut |layers| Self::assemble(layers, path, root, settings))
     }
 
     fn assemble(

@@ -45,13 +45,7 @@ impl<'p> Graph<'p> {
             }
         }
         let order = order(stages, &needs, &users)?;
-        Ok(Self {
-            pipeline,
-            makers,
-            needs,
-            users,
-            order,
-        })
+        Ok(Self { pipeline, makers, needs, users, order })
     }
 
     /// The stages so that each comes after all that it needs, otherwise as in the file.
@@ -168,10 +162,7 @@ fn makers(stages: &[Stage]) -> Result<BTreeMap<String, usize>, PipelineError> {
     }
     for (output, &index) in &makers {
         let above = with_ancestors(output).skip(1);
-        if let Some(&other) = above
-            .filter_map(|path| makers.get(path))
-            .find(|&&i| i != index)
-        {
+        if let Some(&other) = above.filter_map(|path| makers.get(path)).find(|&&i| i != index) {
             return Err(two_makers(output, other, index));
         }
     }
@@ -184,10 +175,8 @@ fn needs(stage: &Stage, makers: &BTreeMap<String, usize>) -> Vec<Need> {
         let above = with_ancestors(input).find_map(|path| makers.get(path));
         let inside = below(makers, input).map(|(_, maker)| maker);
         let maker_indices: BTreeSet<usize> = above.into_iter().chain(inside).copied().collect();
-        needs.extend(maker_indices.into_iter().map(|maker| Need {
-            input: input.to_owned(),
-            maker,
-        }));
+        needs
+            .extend(maker_indices.into_iter().map(|maker| Need { input: input.to_owned(), maker }));
     }
     needs
 }
@@ -215,9 +204,7 @@ fn order(
         return Ok(order);
     }
     let stuck: BTreeSet<usize> = (0..stages.len()).filter(|&i| waiting[i] > 0).collect();
-    Err(PipelineError::Cycle {
-        steps: circle(stages, needs, &stuck),
-    })
+    Err(PipelineError::Cycle { steps: circle(stages, needs, &stuck) })
 }
 
 /// Walks upstream among stages that all wait until one comes round again.
@@ -252,12 +239,7 @@ mod tests {
 
     /// The stages that the one of this place in the file waits for.
     fn before<'a>(graph: &Graph<'a>, place: usize) -> Vec<&'a str> {
-        names(
-            graph
-                .makers(place)
-                .into_iter()
-                .map(|maker| graph.stage(maker)),
-        )
+        names(graph.makers(place).into_iter().map(|maker| graph.stage(maker)))
     }
 
     #[test]

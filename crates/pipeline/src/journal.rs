@@ -37,10 +37,7 @@ pub(crate) enum Entry {
     /// A stage has run well.
     Finished { key: String, record: Box<Record> },
     /// A stage did not end well and left these files in its outputs.
-    Left {
-        key: String,
-        files: BTreeMap<String, Vec<String>>,
-    },
+    Left { key: String, files: BTreeMap<String, Vec<String>> },
     /// The outputs of a run were removed.
     Forgotten { key: String },
 }
@@ -50,12 +47,9 @@ impl Entry {
     pub(crate) fn apply(self, ledger: &mut Ledger) {
         match self {
             Self::Onto { .. } => {}
-            Self::Begun {
-                key,
-                stage,
-                outputs,
-                from,
-            } => ledger.begin(&key, &stage, &outputs, &from),
+            Self::Begun { key, stage, outputs, from } => {
+                ledger.begin(&key, &stage, &outputs, &from)
+            }
             Self::Finished { key, record } => {
                 ledger.left.remove(&key);
                 ledger.run.insert(key, *record);
@@ -108,9 +102,7 @@ impl Journal {
     pub(crate) fn append(&mut self, entry: &Entry) -> Result<(), PipelineError> {
         let failed = || PipelineError::io("write", &self.path);
         if self.broken {
-            return Err(failed()(std::io::Error::other(
-                "an earlier line could not be written",
-            )));
+            return Err(failed()(std::io::Error::other("an earlier line could not be written")));
         }
         let json = serde_json::to_string(entry).map_err(|e| failed()(e.into()))?;
         let line = format!("{} {json}\n", line_hash(&json));
@@ -139,12 +131,10 @@ pub(crate) fn replay(
     let text = String::from_utf8_lossy(&bytes);
     let mut entries = text.split_inclusive('\n').map_while(entry_in);
     match entries.next() {
-        Some(Entry::Onto {
-            version,
-            pipeline,
-            ledger: onto,
-        }) if version == LEDGER_VERSION && pipeline == ledger.pipeline && onto.as_ref() == hash => {
-        }
+        Some(Entry::Onto { version, pipeline, ledger: onto })
+            if version == LEDGER_VERSION
+                && pipeline == ledger.pipeline
+                && onto.as_ref() == hash => {}
         _ => return Ok(false),
     }
     let mut any = false;

@@ -218,20 +218,12 @@ impl Ledger {
                 past.append(&mut files);
                 making.append(&mut open);
             } else if !files.is_empty() || !open.is_empty() {
-                let left = Left {
-                    stage: name,
-                    open,
-                    files,
-                };
+                let left = Left { stage: name, open, files };
                 self.left.insert(other.to_owned(), left);
             }
         }
         past.append(&mut again);
-        let left = Left {
-            stage: stage.to_owned(),
-            open: making,
-            files: past,
-        };
+        let left = Left { stage: stage.to_owned(), open: making, files: past };
         self.left.insert(key.to_owned(), left);
     }
 
@@ -253,20 +245,14 @@ impl Ledger {
     fn write(&self, path: &Path) -> Result<(), PipelineError> {
         let body = toml::to_string(self)
             .map_err(|error| PipelineError::io("write", path)(std::io::Error::other(error)))?;
-        atomic_write_bytes(
-            path,
-            format!("{HEADING}{body}").as_bytes(),
-            Durability::Synced,
-        )
+        atomic_write_bytes(path, format!("{HEADING}{body}").as_bytes(), Durability::Synced)
     }
 }
 
 /// Takes what lies at or below `path` out of lists of files.
 fn take(files: &mut BTreeMap<String, Vec<String>>, path: &str) {
     files.remove(path);
-    let inside: Vec<String> = below(files, path)
-        .map(|(output, _)| output.clone())
-        .collect();
+    let inside: Vec<String> = below(files, path).map(|(output, _)| output.clone()).collect();
     for output in inside {
         files.remove(&output);
     }

@@ -55,9 +55,7 @@ impl RunLock {
             }
             tries += 1;
         }
-        file.set_len(0)
-            .and_then(|()| writeln!(file, "{}", std::process::id()))
-            .map_err(failed())?;
+        file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id())).map_err(failed())?;
         Ok(Self { path, file })
     }
 

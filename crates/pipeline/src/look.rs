@@ -64,9 +64,8 @@ pub(crate) fn is_settled(times_ns: &[i64], now: SystemTime) -> bool {
 }
 
 pub(crate) fn nanos_since_epoch(time: SystemTime) -> i64 {
-    time.duration_since(UNIX_EPOCH).map_or(0, |since| {
-        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
-    })
+    time.duration_since(UNIX_EPOCH)
+        .map_or(0, |since| i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
 }
 
 #[cfg(test)]
@@ -76,12 +75,8 @@ mod tests {
     #[test]
     fn a_file_is_settled_some_ticks_after_its_last_change_and_never_in_the_future() {
         let at = |ns: i64| UNIX_EPOCH + std::time::Duration::from_nanos(ns.cast_unsigned());
-        let ago = |modified_ns: i64, changed_ns: i64| Look {
-            size: 1,
-            modified_ns,
-            changed_ns,
-            inode: 1,
-        };
+        let ago =
+            |modified_ns: i64, changed_ns: i64| Look { size: 1, modified_ns, changed_ns, inode: 1 };
         let last = 5_000_000_001;
         for look in [ago(last, last), ago(last, 1), ago(1, last)] {
             let settles = last + SETTLED_AFTER_NS;

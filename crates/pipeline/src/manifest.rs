@@ -85,9 +85,7 @@ impl Manifest {
     pub(crate) fn with_inputs_renamed(mut self, rename: impl Fn(&str) -> String) -> Self {
         if let Some(inputs) = self.0.get_mut(&FactKind::Input) {
             let renamed = std::mem::take(inputs).into_iter();
-            *inputs = renamed
-                .map(|(path, content)| (rename(&path), content))
-                .collect();
+            *inputs = renamed.map(|(path, content)| (rename(&path), content)).collect();
         }
         self
     }
@@ -160,11 +158,7 @@ impl Manifest {
             }
         }
         for (command, (before, now)) in self.changes(now, FactKind::Version) {
-            reasons.push(Reason::VersionChanged {
-                command,
-                before,
-                now,
-            });
+            reasons.push(Reason::VersionChanged { command, before, now });
         }
         for (path, (before, now)) in self.changes(now, FactKind::Input) {
             reasons.push(match (before, now) {
@@ -177,10 +171,7 @@ impl Manifest {
     }
 
     fn add(&mut self, kind: FactKind, name: &str, value: String) {
-        self.0
-            .entry(kind)
-            .or_default()
-            .insert(name.to_owned(), value);
+        self.0.entry(kind).or_default().insert(name.to_owned(), value);
     }
 
     /// The facts of a kind that differ, by name, as they were and as they are.
@@ -224,10 +215,7 @@ mod tests {
         ]);
         let reasons = before.differences(&now);
         assert_eq!(reasons.len(), 1);
-        assert_eq!(
-            reasons[0].to_string(),
-            "parameter `seed` changed from 1 to 2"
-        );
+        assert_eq!(reasons[0].to_string(), "parameter `seed` changed from 1 to 2");
     }
 
     #[test]

@@ -9,10 +9,7 @@ pub(crate) fn of_this_machine() -> Option<u64> {
     let machine = machine.as_deref().and_then(total).map(|kib| kib / 1024);
     let group = fs::read_to_string("/sys/fs/cgroup/memory.max").ok();
     let group = group.and_then(|text| text.trim().parse::<u64>().ok());
-    machine
-        .into_iter()
-        .chain(group.map(|bytes| bytes >> 20))
-        .min()
+    machine.into_iter().chain(group.map(|bytes| bytes >> 20)).min()
 }
 
 /// `MemTotal` in KiB.

@@ -77,9 +77,7 @@ pub(crate) fn read_by(
     ledger: &Ledger,
     place: &Place,
 ) -> Option<String> {
-    let mut paths = orphans
-        .iter()
-        .flat_map(|key| ledger.made_by(key).into_keys());
+    let mut paths = orphans.iter().flat_map(|key| ledger.made_by(key).into_keys());
     let is_read = |path: &&str| {
         let mut above = with_ancestors(path);
         above.any(|above| stage.reads().any(|read| read == above))
@@ -146,11 +144,7 @@ pub(crate) fn remove(
         if move_aside && !kept.is_empty() {
             let folders = own::move_aside(&kept, graph, &place.root)?;
             let (stage, files) = (stage.clone(), kept.len());
-            warnings.push(Warning::MovedAside {
-                stage,
-                files,
-                folders,
-            });
+            warnings.push(Warning::MovedAside { stage, files, folders });
             (kept, cleared) = (Vec::new(), true);
         }
         if cleared {
@@ -158,11 +152,7 @@ pub(crate) fn remove(
         }
         // What was moved aside has been told.
         if !cleaned.removed.is_empty() || !kept.is_empty() {
-            warnings.push(Warning::NoLongerMade {
-                stage,
-                removed: cleaned.removed,
-                kept,
-            });
+            warnings.push(Warning::NoLongerMade { stage, removed: cleaned.removed, kept });
         }
     }
     Ok(warnings)

@@ -16,11 +16,7 @@ pub const ASIDE: &str = "moved-aside-";
 
 /// A file below an output; the output itself for the empty name.
 fn join(output: &str, within: &str) -> String {
-    if within.is_empty() {
-        output.to_owned()
-    } else {
-        format!("{output}/{within}")
-    }
+    if within.is_empty() { output.to_owned() } else { format!("{output}/{within}") }
 }
 
 /// The files that are about to be replaced and that no run is known to have made.
@@ -70,9 +66,7 @@ pub(crate) fn unknown(
         origins.max().unwrap_or(Origin::Foreign)
     };
     // What an earlier run of the stage was about to make elsewhere goes, too.
-    let earlier = keys
-        .iter()
-        .filter(|key| ledger.stage_of(key) == Some(stage.name.as_str()));
+    let earlier = keys.iter().filter(|key| ledger.stage_of(key) == Some(stage.name.as_str()));
     let open = earlier.filter_map(|key| ledger.left.get(key));
     let open = open.flat_map(|left| &left.open);
     let mut unknown = Unknown::default();
@@ -244,9 +238,8 @@ impl Graph<'_> {
     /// Whether no stage reads or makes `path` or anything above it.
     fn is_free(&self, path: &str) -> bool {
         let stages = self.pipeline().stages();
-        let mut paths = stages
-            .iter()
-            .flat_map(|s| s.reads().chain(s.outputs.iter().map(String::as_str)));
+        let mut paths =
+            stages.iter().flat_map(|s| s.reads().chain(s.outputs.iter().map(String::as_str)));
         !paths.any(|used| with_ancestors(path).any(|above| above == used))
     }
 }
@@ -266,12 +259,9 @@ mod tests {
 
     #[test]
     fn days_have_their_dates() {
-        for (days, expected) in [
-            (0, "1970-01-01"),
-            (59, "1970-03-01"),
-            (11_016, "2000-02-29"),
-            (20_779, "2026-11-22"),
-        ] {
+        for (days, expected) in
+            [(0, "1970-01-01"), (59, "1970-03-01"), (11_016, "2000-02-29"), (20_779, "2026-11-22")]
+        {
             assert_eq!(date(days), expected);
         }
     }

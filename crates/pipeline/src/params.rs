@@ -69,10 +69,7 @@ impl Text {
             Self::Plain => Ok(value),
             Self::Script(script) => {
                 let quoted = script.quoted(&value);
-                quoted.ok_or_else(|| FileProblem::CannotQuote {
-                    name: name.to_owned(),
-                    value,
-                })
+                quoted.ok_or_else(|| FileProblem::CannotQuote { name: name.to_owned(), value })
             }
         }
     }
@@ -95,9 +92,7 @@ pub fn parse_override(text: &str) -> Result<(String, String), PipelineError> {
         Some((name, value)) if !name.trim().is_empty() => {
             Ok((name.trim().to_owned(), value.to_owned()))
         }
-        _ => Err(PipelineError::OverrideForm {
-            text: text.to_owned(),
-        }),
+        _ => Err(PipelineError::OverrideForm { text: text.to_owned() }),
     }
 }
 
@@ -210,17 +205,12 @@ impl Params {
         used: &mut BTreeSet<String>,
         open: &mut Vec<String>,
     ) -> Result<String, FileProblem> {
-        let param = self
-            .0
-            .get(name)
-            .ok_or_else(|| FileProblem::UnknownParameter {
-                name: name.to_owned(),
-                nearest: nearest(name, self.0.keys().map(String::as_str)),
-            })?;
+        let param = self.0.get(name).ok_or_else(|| FileProblem::UnknownParameter {
+            name: name.to_owned(),
+            nearest: nearest(name, self.0.keys().map(String::as_str)),
+        })?;
         if open.iter().any(|outer| outer == name) {
-            return Err(FileProblem::CircularParameter {
-                name: name.to_owned(),
-            });
+            return Err(FileProblem::CircularParameter { name: name.to_owned() });
         }
         if param.kind == ParamKind::Literal {
             used.insert(name.to_owned());
@@ -237,9 +227,7 @@ impl Params {
 /// Whether `name` can name a parameter, a stage or a pipeline: it must do as a file name.
 pub(crate) fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_ascii_alphanumeric())
-        && name
-            .chars()
-            .all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
 }
 
 /// The parameter with which a text begins.
@@ -257,16 +245,8 @@ mod tests {
     use super::*;
 
     fn params(pairs: &[(&str, &str)]) -> Params {
-        let param = |text: &str| Param {
-            kind: ParamKind::Text,
-            text: text.to_owned(),
-        };
-        Params(
-            pairs
-                .iter()
-                .map(|(k, v)| ((*k).to_owned(), param(v)))
-                .collect(),
-        )
+        let param = |text: &str| Param { kind: ParamKind::Text, text: text.to_owned() };
+        Params(pairs.iter().map(|(k, v)| ((*k).to_owned(), param(v))).collect())
     }
 
     #[test]

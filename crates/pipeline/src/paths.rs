@@ -11,11 +11,8 @@ use std::ops::Bound;
 /// `None` if nothing is left, or nothing but `..`: such a path holds the root itself, and
 /// with it the ledger. Symbolic links are not looked at.
 pub(crate) fn normalise(path: &str) -> Option<String> {
-    let path = &*if cfg!(windows) {
-        Cow::Owned(path.replace('\\', "/"))
-    } else {
-        Cow::Borrowed(path)
-    };
+    let path =
+        &*if cfg!(windows) { Cow::Owned(path.replace('\\', "/")) } else { Cow::Borrowed(path) };
     // The name of a computer stands behind two.
     let lead = if cfg!(windows) && path.starts_with("//") {
         "//"
@@ -44,9 +41,7 @@ pub(crate) fn normalise(path: &str) -> Option<String> {
 /// The path itself and then each directory above it, nearest first.
 pub(crate) fn with_ancestors(path: &str) -> impl Iterator<Item = &str> {
     std::iter::successors(Some(path), |path| {
-        path.rfind('/')
-            .map(|slash| &path[..slash])
-            .filter(|above| !above.is_empty())
+        path.rfind('/').map(|slash| &path[..slash]).filter(|above| !above.is_empty())
     })
 }
 
@@ -69,10 +64,7 @@ mod tests {
     #[test]
     fn a_path_has_one_spelling() {
         assert_eq!(normalise("./a//b/../c/").as_deref(), Some("a/c"));
-        assert_eq!(
-            normalise("../elsewhere/data").as_deref(),
-            Some("../elsewhere/data")
-        );
+        assert_eq!(normalise("../elsewhere/data").as_deref(), Some("../elsewhere/data"));
         assert_eq!(normalise("/data/../x").as_deref(), Some("/x"));
     }
 
@@ -88,10 +80,7 @@ mod tests {
         let map = BTreeMap::from([("a/b".to_owned(), 1), ("ab/c".to_owned(), 2)]);
         let found: Vec<_> = below(&map, "a").map(|(_, v)| *v).collect();
         assert_eq!(found, [1]);
-        assert_eq!(
-            with_ancestors("a/b/c").collect::<Vec<_>>(),
-            ["a/b/c", "a/b", "a"]
-        );
+        assert_eq!(with_ancestors("a/b/c").collect::<Vec<_>>(), ["a/b/c", "a/b", "a"]);
         assert_eq!(with_ancestors("/a/b").collect::<Vec<_>>(), ["/a/b", "/a"]);
     }
 }

@@ -184,16 +184,9 @@ fn from_folder(folder: &Path, other: &Path) -> String {
     if common == 0 {
         return other.to_slash_lossy().into_owned();
     }
-    let up = folder
-        .components()
-        .skip(common)
-        .map(|_| Component::ParentDir);
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
     let way: PathBuf = up.chain(other.components().skip(common)).collect();
-    if way == Path::new("") {
-        ".".to_owned()
-    } else {
-        way.to_slash_lossy().into_owned()
-    }
+    if way == Path::new("") { ".".to_owned() } else { way.to_slash_lossy().into_owned() }
 }
 
 /// The absolute path without `..`; symbolic links are not looked at.

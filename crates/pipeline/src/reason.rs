@@ -111,11 +111,7 @@ impl fmt::Display for Reason {
                 (None, Some(now)) => write!(f, "parameter `{name}` ({now}) is new in the stage"),
                 (_, None) => write!(f, "parameter `{name}` is no longer in the stage"),
             },
-            Self::VersionChanged {
-                command,
-                before,
-                now,
-            } => {
+            Self::VersionChanged { command, before, now } => {
                 let version = |v: &Option<String>| v.clone().unwrap_or_else(|| "none".to_owned());
                 let (before, now) = (version(before), version(now));
                 write!(f, "`{command}` changed from version {before} to {now}")
@@ -157,11 +153,8 @@ mod tests {
         let text = |t: &str| t.to_owned();
         let some = |t: &str| Some(t.to_owned());
         let path = || "data/in".to_owned();
-        let parameter = |before, now| Reason::ParameterChanged {
-            name: "seed".to_owned(),
-            before,
-            now,
-        };
+        let parameter =
+            |before, now| Reason::ParameterChanged { name: "seed".to_owned(), before, now };
         let input = |before: &str, now: &str| Reason::InputChanged {
             path: "data/in".to_owned(),
             before: before.to_owned(),
@@ -171,56 +164,26 @@ mod tests {
             (Reason::Forced, "it was asked for by force"),
             (Reason::NeverRun, "there is no record of a finished run"),
             (Reason::Unfinished, "its last run did not finish"),
+            (Reason::Upstream { stage: text("draw") }, "stage `draw` runs before it"),
             (
-                Reason::Upstream {
-                    stage: text("draw"),
-                },
-                "stage `draw` runs before it",
-            ),
-            (
-                Reason::CommandChanged {
-                    before: text("a 1"),
-                    now: text("a 2"),
-                },
+                Reason::CommandChanged { before: text("a 1"), now: text("a 2") },
                 "the command changed from `a 1` to `a 2`",
             ),
+            (parameter(some("1"), some("2")), "parameter `seed` changed from 1 to 2"),
+            (parameter(None, some("2")), "parameter `seed` (2) is new in the stage"),
+            (parameter(some("1"), None), "parameter `seed` is no longer in the stage"),
             (
-                parameter(some("1"), some("2")),
-                "parameter `seed` changed from 1 to 2",
-            ),
-            (
-                parameter(None, some("2")),
-                "parameter `seed` (2) is new in the stage",
-            ),
-            (
-                parameter(some("1"), None),
-                "parameter `seed` is no longer in the stage",
-            ),
-            (
-                Reason::VersionChanged {
-                    command: text("x y"),
-                    before: None,
-                    now: some("2"),
-                },
+                Reason::VersionChanged { command: text("x y"), before: None, now: some("2") },
                 "`x y` changed from version none to 2",
             ),
             (input("aa", "bb"), "input `data/in` changed"),
-            (
-                input("aa in 1 file", "bb in 1 file"),
-                "input `data/in` changed",
-            ),
+            (input("aa in 1 file", "bb in 1 file"), "input `data/in` changed"),
             (
                 input("aa in 1 file", "bb in 2 files"),
                 "input `data/in` changed: it had 1 file, it has 2 files",
             ),
-            (
-                Reason::InputAdded { path: path() },
-                "input `data/in` is new",
-            ),
-            (
-                Reason::InputRemoved { path: path() },
-                "input `data/in` is no longer there",
-            ),
+            (Reason::InputAdded { path: path() }, "input `data/in` is new"),
+            (Reason::InputRemoved { path: path() }, "input `data/in` is no longer there"),
             (
                 Reason::InputNoLongerMade { path: path() },
                 "`data/in`, which it read, is no longer made by any stage",
@@ -229,22 +192,13 @@ mod tests {
                 Reason::InputMissing { path: path() },
                 "input `data/in` does not exist and no stage makes it",
             ),
-            (
-                Reason::OutputMissing { path: path() },
-                "output `data/in` is not there",
-            ),
+            (Reason::OutputMissing { path: path() }, "output `data/in` is not there"),
             (
                 Reason::OutputEdited { path: path() },
                 "output `data/in` is not as the stage had left it",
             ),
-            (
-                Reason::Foreign { path: path() },
-                "`data/in` was made by no run",
-            ),
-            (
-                Reason::OutputAdded { path: path() },
-                "output `data/in` is new",
-            ),
+            (Reason::Foreign { path: path() }, "`data/in` was made by no run"),
+            (Reason::OutputAdded { path: path() }, "output `data/in` is new"),
         ] {
             assert_eq!(reason.to_string(), sentence);
         }

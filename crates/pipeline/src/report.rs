@@ -96,19 +96,13 @@ pub enum FailureCause {
         newest: Option<String>,
     },
     /// What it made on a cluster was edited before its end was seen.
-    #[error(
-        "what it made ({}) was changed after its job had ended: run again",
-        shortened(paths)
-    )]
+    #[error("what it made ({}) was changed after its job had ended: run again", shortened(paths))]
     OutputsChanged {
         /// Its outputs.
         paths: Vec<String>,
     },
     /// A cluster ended its job, or forgot it, before the stage ended by itself.
-    #[error(
-        "its job {job} on the cluster ended without it: {state}{}",
-        remedy(state)
-    )]
+    #[error("its job {job} on the cluster ended without it: {state}{}", remedy(state))]
     JobLost {
         /// The job, as the cluster calls it.
         job: String,
@@ -151,10 +145,7 @@ pub enum FailureCause {
 impl FailureCause {
     /// Whether the stage was kept from starting, or from replacing what somebody else has put there.
     pub(crate) fn is_before_start(&self) -> bool {
-        matches!(
-            self,
-            Self::Foreign { .. } | Self::BehindLink { .. } | Self::InputsMissing { .. }
-        )
+        matches!(self, Self::Foreign { .. } | Self::BehindLink { .. } | Self::InputsMissing { .. })
     }
 }
 
@@ -266,10 +257,7 @@ pub enum Warning {
         folders: Vec<String>,
     },
     /// The pipeline no longer makes what an earlier run of it had made.
-    #[error(
-        "the pipeline no longer has stage `{stage}` there: {}",
-        no_longer_made(removed, kept)
-    )]
+    #[error("the pipeline no longer has stage `{stage}` there: {}", no_longer_made(removed, kept))]
     NoLongerMade {
         /// The stage that had made it.
         stage: String,

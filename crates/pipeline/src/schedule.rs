@@ -78,10 +78,7 @@ impl<'g> Schedule<'g> {
     pub(crate) fn hear(&mut self, index: usize, news: News, observe: &mut dyn FnMut(Event<'_>)) {
         let stage = self.graph.stage(index);
         match news {
-            News::Line(line) => observe(Event::Line {
-                stage: &stage.name,
-                line: &line,
-            }),
+            News::Line(line) => observe(Event::Line { stage: &stage.name, line: &line }),
             News::Warning(warning) => self.warn(warning, observe),
             News::Retried { cause, retry } => observe(Event::Retried {
                 stage: &stage.name,
@@ -127,34 +124,17 @@ impl<'g> Schedule<'g> {
         match attempt {
             Attempt::UpToDate => {
                 result.state = State::UpToDate;
-                observe(Event::UpToDate {
-                    stage,
-                    settled,
-                    wanted,
-                });
+                observe(Event::UpToDate { stage, settled, wanted });
             }
             Attempt::Restored => {
                 result.state = State::Restored;
-                observe(Event::Restored {
-                    stage,
-                    settled,
-                    wanted,
-                });
+                observe(Event::Restored { stage, settled, wanted });
             }
-            Attempt::Done {
-                seconds,
-                peak_memory,
-            } => {
+            Attempt::Done { seconds, peak_memory } => {
                 result.state = State::Done;
                 result.seconds = Some(seconds);
                 result.peak_memory = peak_memory;
-                observe(Event::Finished {
-                    stage,
-                    seconds,
-                    peak_memory,
-                    settled,
-                    wanted,
-                });
+                observe(Event::Finished { stage, seconds, peak_memory, settled, wanted });
             }
             Attempt::Failed(failure) => {
                 result.state = State::Failed;
@@ -188,10 +168,7 @@ impl<'g> Schedule<'g> {
                 return None;
             }
             let text = std::fs::read_to_string(place.stdout_of(&stage.name, &stage.key()));
-            Some(Summary {
-                stage: stage.name.clone(),
-                text: text.ok()?,
-            })
+            Some(Summary { stage: stage.name.clone(), text: text.ok()? })
         };
         let settled = |&i: &usize| is_settled(self.results[i].state);
         RunReport {

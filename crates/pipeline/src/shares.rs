@@ -113,17 +113,8 @@ mod tests {
     fn a_file_whose_name_is_no_text_is_not_left_out_in_silence() {
         use std::os::unix::ffi::OsStrExt;
         let folder = tempfile::tempdir().unwrap();
-        fs::write(
-            folder.path().join(std::ffi::OsStr::from_bytes(b"\xff.txt")),
-            "",
-        )
-        .unwrap();
-        let share = Share {
-            folder: ".".to_owned(),
-            pattern: "*".to_owned(),
-            shard: 0,
-            shards: 1,
-        };
+        fs::write(folder.path().join(std::ffi::OsStr::from_bytes(b"\xff.txt")), "").unwrap();
+        let share = Share { folder: ".".to_owned(), pattern: "*".to_owned(), shard: 0, shards: 1 };
         let error = Shares::default().files(&share, folder.path()).unwrap_err();
         assert!(error.to_string().contains("is not UTF-8 text"), "{error}");
     }

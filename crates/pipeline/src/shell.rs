@@ -196,22 +196,11 @@ mod tests {
     #[test]
     fn the_script_of_a_shell_is_known_by_the_words_before_it() {
         let script = |line: &str| is_script(line.split(' '));
-        for line in [
-            "sh -c",
-            "/bin/bash -euo pipefail -c",
-            "env A=1 sh -ec",
-            "nice bash --norc -c",
-        ] {
+        for line in ["sh -c", "/bin/bash -euo pipefail -c", "env A=1 sh -ec", "nice bash --norc -c"]
+        {
             assert!(script(line), "{line}");
         }
-        for line in [
-            "sh",
-            "sh -c script",
-            "python -c",
-            "tar -c",
-            "bash -o",
-            "sh run.sh -c",
-        ] {
+        for line in ["sh", "sh -c script", "python -c", "tar -c", "bash -o", "sh run.sh -c"] {
             assert!(!script(line), "{line}");
         }
     }
@@ -222,10 +211,7 @@ mod tests {
         script.pass(before);
         let value = script.quoted(value).unwrap();
         let text = format!("{before}{value}{after}");
-        let output = std::process::Command::new("sh")
-            .args(["-c", &text])
-            .output()
-            .unwrap();
+        let output = std::process::Command::new("sh").args(["-c", &text]).output().unwrap();
         assert!(output.status.success(), "{text}");
         String::from_utf8(output.stdout).unwrap()
     }
@@ -249,10 +235,7 @@ mod tests {
                 ("printf %s ", ""),
                 ("printf %s '", "'"),
                 ("printf %s \"", "\""),
-                (
-                    "printf %s \"it's ok\" >/dev/null; printf %s \"$(printf %s ",
-                    ")\"",
-                ),
+                ("printf %s \"it's ok\" >/dev/null; printf %s \"$(printf %s ", ")\""),
                 ("# it's a comment\n(printf %s ", ")"),
                 ("printf %s \"$(echo \"a'\" >/dev/null; printf %s '", "')\""),
                 ("test a = \\'b; printf %s ", ""),

@@ -72,10 +72,7 @@ pub fn why(
     let target = [target.to_owned()];
     let named = graph.named(&target)?;
     let wanted = graph.wanted(&target)?;
-    let named: BTreeSet<&str> = named
-        .iter()
-        .map(|&i| graph.stage(i).name.as_str())
-        .collect();
+    let named: BTreeSet<&str> = named.iter().map(|&i| graph.stage(i).name.as_str()).collect();
     let is_named = |status: &StageStatus| named.contains(status.stage.as_str());
     let mut statuses = examine(&graph, place, &wanted, &BTreeSet::new())?;
     statuses.retain(is_named);

@@ -19,15 +19,11 @@ impl Store {
     /// [`PipelineError::Io`] for a URL.
     pub(crate) fn open(folder: &Path) -> Result<Self, PipelineError> {
         if folder.to_str().is_some_and(|text| text.contains("://")) {
-            let error = io::Error::new(
-                io::ErrorKind::InvalidInput,
-                "a cache is a folder, not a URL",
-            );
+            let error =
+                io::Error::new(io::ErrorKind::InvalidInput, "a cache is a folder, not a URL");
             return Err(PipelineError::io("open", folder)(error));
         }
-        Ok(Self {
-            folder: folder.to_owned(),
-        })
+        Ok(Self { folder: folder.to_owned() })
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -48,9 +44,7 @@ impl Store {
         match copy(&self.path(name), target) {
             // Something else may have its name: that is no file that was kept.
             Err(_) if !self.path(name).is_file() => Ok(false),
-            copied => copied
-                .map(|_| true)
-                .map_err(PipelineError::io("write", target)),
+            copied => copied.map(|_| true).map_err(PipelineError::io("write", target)),
         }
     }
 

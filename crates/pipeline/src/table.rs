@@ -46,11 +46,9 @@ pub(crate) fn read(bytes: &[u8], delimiter: u8) -> Result<(Vec<String>, Vec<Row>
     }
     let (_, heading) = rows.remove(0);
     match rows.iter().find(|(_, row)| row.len() != heading.len()) {
-        Some((line, row)) => Err(format!(
-            "line {line} has {} cells and the heading {}",
-            row.len(),
-            heading.len()
-        )),
+        Some((line, row)) => {
+            Err(format!("line {line} has {} cells and the heading {}", row.len(), heading.len()))
+        }
         None => Ok((heading, rows)),
     }
 }

@@ -109,13 +109,10 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
         };
         let used = |output: &&String| {
             let inside = |path: &&str| with_ancestors(path).any(|above| above == output.as_str());
-            read.iter()
-                .any(|path| inside(path) || with_ancestors(output).any(|a| a == *path))
+            read.iter().any(|path| inside(path) || with_ancestors(output).any(|a| a == *path))
         };
         let outputs = record.outputs.keys().filter(used).collect::<Vec<_>>();
-        let outputs = outputs
-            .iter()
-            .map(|path| file(path, &record.outputs[*path], Role::Output));
+        let outputs = outputs.iter().map(|path| file(path, &record.outputs[*path], Role::Output));
         let inputs = facts(FactKind::Input);
         let inputs = inputs.map(|(path, content)| file(path, content, Role::Input));
         stages.push(TracedStage {
@@ -148,11 +145,7 @@ pub fn trace(ledger: &Ledger, place: &Place, path: &str) -> Result<Trace, Pipeli
     let sources = sources.into_iter().map(source);
     let sources = sources.collect::<Result<_, PipelineError>>()?;
     hasher.save();
-    Ok(Trace {
-        path,
-        stages,
-        sources,
-    })
+    Ok(Trace { path, stages, sources })
 }
 
 /// The run that made each recorded output.
@@ -172,19 +165,13 @@ impl Makers {
     fn of_path(&self, path: &str) -> BTreeSet<&str> {
         let above = with_ancestors(path).find_map(|above| self.0.get(above));
         let inside = below(&self.0, path).map(|(_, stage)| stage);
-        above
-            .into_iter()
-            .chain(inside)
-            .map(String::as_str)
-            .collect()
+        above.into_iter().chain(inside).map(String::as_str).collect()
     }
 
     /// The runs that made what a run read.
     fn before(&self, ledger: &Ledger, run: &str) -> BTreeSet<&str> {
         let record = ledger.run.get(run);
-        let inputs = record
-            .into_iter()
-            .flat_map(|r| r.made_from.facts(FactKind::Input));
+        let inputs = record.into_iter().flat_map(|r| r.made_from.facts(FactKind::Input));
         inputs.flat_map(|(path, _)| self.of_path(path)).collect()
     }
 
@@ -238,9 +225,9 @@ impl Trace {
             let versions: String = stage.versions.iter().map(version).collect();
             lines.push(format!("<- stage {}{row}{versions}", stage.stage));
             lines.push(format!("     {}", stage.command));
-            let memory = stage.peak_memory.map_or_else(String::new, |bytes| {
-                format!(", {:.0} MB", bytes as f64 / 1e6)
-            });
+            let memory = stage
+                .peak_memory
+                .map_or_else(String::new, |bytes| format!(", {:.0} MB", bytes as f64 / 1e6));
             lines.push(format!("     took {:.2} s{memory}", stage.seconds));
             let changed = |output: &&TracedFile| output.state != FileState::Same;
             for output in stage.outputs.iter().filter(changed) {
@@ -251,11 +238,7 @@ impl Trace {
                     [] => "a source".to_owned(),
                     makers => format!("by {}", makers.join(", ")),
                 };
-                lines.push(format!(
-                    "     from {}: {makers}{}",
-                    input.path,
-                    remark(input.state)
-                ));
+                lines.push(format!("     from {}: {makers}{}", input.path, remark(input.state)));
             }
         }
         lines.push("sources".to_owned());
@@ -284,11 +267,7 @@ fn remark(state: FileState) -> &'static str {
 fn short(content: &str) -> String {
     let (hash, files) = content.split_once(" in ").unwrap_or((content, ""));
     let start = hash.get(..12).unwrap_or(hash);
-    if files.is_empty() {
-        start.to_owned()
-    } else {
-        format!("{start} ({files})")
-    }
+    if files.is_empty() { start.to_owned() } else { format!("{start} ({files})") }
 }
 
 /// `path` as the ledger of a pipeline with this root would name it.

@@ -84,10 +84,7 @@ pub fn verify(pipeline: &Pipeline, place: &Place) -> Result<Verification, Pipeli
     let hasher = Hasher::reading_all(&place.root);
     let mut compared = BTreeSet::new();
     let mut findings = Vec::new();
-    let recorded = pipeline
-        .stages()
-        .iter()
-        .filter_map(|stage| ledger.record_of(stage));
+    let recorded = pipeline.stages().iter().filter_map(|stage| ledger.record_of(stage));
     for record in recorded {
         let inputs = record.made_from.facts(FactKind::Input);
         let outputs = record.outputs.iter();

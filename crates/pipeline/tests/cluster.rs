@@ -1,10 +1,6 @@
 //! Runs on a cluster that is played by scripts: `sbatch`, `squeue` and `hq` of our own.
 #![cfg(unix)]
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "the helpers of tests are tests, too"
-)]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "the helpers of tests are tests, too")]
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -98,12 +94,7 @@ fn project(text: &str) -> tempfile::TempDir {
     for made in ["p", "bin", "fake/queue", "fake/failed"] {
         fs::create_dir_all(path.join(made)).unwrap();
     }
-    for (name, text) in [
-        ("sbatch", SBATCH),
-        ("squeue", SQUEUE),
-        ("scancel", SCANCEL),
-        ("hq", HQ),
-    ] {
+    for (name, text) in [("sbatch", SBATCH), ("squeue", SQUEUE), ("scancel", SCANCEL), ("hq", HQ)] {
         let program = path.join("bin").join(name);
         fs::write(&program, text).unwrap();
         fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
@@ -116,22 +107,13 @@ fn project(text: &str) -> tempfile::TempDir {
 
 fn run_with(folder: &Path, executor: Executor, word: &str) -> Result<RunReport, PipelineError> {
     let root = folder.join("p");
-    let settings = Settings {
-        set: vec![("word".to_owned(), word.to_owned())],
-        ..Settings::default()
-    };
+    let settings =
+        Settings { set: vec![("word".to_owned(), word.to_owned())], ..Settings::default() };
     let pipeline = Pipeline::read(&root.join("p.toml"), &root, &settings).unwrap();
-    let place = Place {
-        ledger: root.join("p.lock"),
-        log_dir: root.join(".logs"),
-        program: None,
-        root,
-    };
-    let options = RunOptions {
-        executor,
-        lost_after: Duration::from_secs(2),
-        ..RunOptions::default()
-    };
+    let place =
+        Place { ledger: root.join("p.lock"), log_dir: root.join(".logs"), program: None, root };
+    let options =
+        RunOptions { executor, lost_after: Duration::from_secs(2), ..RunOptions::default() };
     run(&pipeline, &place, &options, &mut |event| {
         eprintln!("{event:?}");
     })
@@ -180,15 +162,7 @@ fn report(folder: &Path, executor: &str, word: &str) -> serde_json::Value {
 type Texts = Vec<(String, String)>;
 
 fn made(folder: &Path) -> Texts {
-    let files = [
-        "each/1",
-        "each/2",
-        "each/3",
-        "shards/0",
-        "shards/1",
-        "all",
-        "parts/8.txt",
-    ];
+    let files = ["each/1", "each/2", "each/3", "shards/0", "shards/1", "all", "parts/8.txt"];
     let read = |file: &str| fs::read_to_string(folder.join("p").join(file)).unwrap();
     files.map(|file| (file.to_owned(), read(file))).into()
 }
@@ -223,10 +197,7 @@ fn a_cluster_makes_what_a_local_run_makes_and_a_killed_follower_is_resumed() {
     assert!(!path.join("p/p.lock.jobs").exists() && !path.join("p/.logs/.cluster").exists());
     let again = report(path, "slurm", "end");
     let stages = again["stages"].as_array().unwrap();
-    assert!(
-        stages.iter().all(|stage| stage["state"] == "up_to_date"),
-        "{again}"
-    );
+    assert!(stages.iter().all(|stage| stage["state"] == "up_to_date"), "{again}");
 
     // Another word: the three of `each` and `all` are handed in; then the follower dies.
     fs::write(path.join("fake/hold"), "").unwrap();
@@ -245,11 +216,7 @@ fn a_cluster_makes_what_a_local_run_makes_and_a_killed_follower_is_resumed() {
     let resumed = report(path, "slurm", "fin");
     assert_eq!(resumed["outcome"], "done", "{resumed}");
     assert_eq!((made(path), digests(path)), expected("fin"));
-    assert_eq!(
-        fs::read_to_string(path.join("fake/last")).unwrap(),
-        "6\n",
-        "nothing ran twice"
-    );
+    assert_eq!(fs::read_to_string(path.join("fake/last")).unwrap(), "6\n", "nothing ran twice");
 }
 
 #[test]
@@ -259,11 +226,7 @@ fn a_lost_and_a_failed_task_are_told_and_run_again() {
     fs::write(path.join("fake/lose"), "").unwrap();
     let lost = report(path, "slurm", "end");
     let cause = &lost["failures"][0]["cause"];
-    assert_eq!(
-        (&cause["kind"], &cause["job"]),
-        (&"job_lost".into(), &"1_0".into()),
-        "{lost}"
-    );
+    assert_eq!((&cause["kind"], &cause["job"]), (&"job_lost".into(), &"1_0".into()), "{lost}");
     let bad = PIPELINE.replace("echo {word} >>", "[ {part} = 2 ] && exit 3; echo {word} >>");
     fs::write(path.join("p/p.toml"), bad.replace("all/sum", "all")).unwrap();
     let failed = report(path, "slurm", "end");
@@ -277,20 +240,13 @@ fn a_lost_and_a_failed_task_are_told_and_run_again() {
 
 #[test]
 fn hyperqueue_gets_the_same_tasks() {
-    let text = PIPELINE
-        .split("[[stage]]")
-        .take(2)
-        .collect::<Vec<_>>()
-        .join("[[stage]]");
+    let text = PIPELINE.split("[[stage]]").take(2).collect::<Vec<_>>().join("[[stage]]");
     let more = "[[stage]]\nname = 'copy'\ninputs = ['parts']\noutputs = ['copy']\n\
                 cmd = ['cp', '-r', 'parts', 'copy']\n";
     let folder = project(&format!("{text}{more}"));
     let ran = report(folder.path(), "hq", "end");
     assert_eq!(ran["outcome"], "done", "{ran}");
-    assert_eq!(
-        fs::read_to_string(folder.path().join("p/copy/3.txt")).unwrap(),
-        "3\n"
-    );
+    assert_eq!(fs::read_to_string(folder.path().join("p/copy/3.txt")).unwrap(), "3\n");
     let plan = fs::read_to_string(folder.path().join("fake/plan.toml")).unwrap();
     let plan: toml::Value = toml::from_str(&plan).unwrap();
     assert_eq!(plan["task"][1]["deps"][0].as_integer(), Some(0));
@@ -320,10 +276,7 @@ fn a_file_that_no_run_made_is_not_handed_to_a_cluster() {
     fs::write(path.join("p/parts/1.txt"), "mine").unwrap();
     let ran = report(path, "slurm", "end");
     assert_eq!(ran["failures"][0]["cause"]["kind"], "foreign", "{ran}");
-    assert_eq!(
-        fs::read_to_string(path.join("p/parts/1.txt")).unwrap(),
-        "mine"
-    );
+    assert_eq!(fs::read_to_string(path.join("p/parts/1.txt")).unwrap(), "mine");
 }
 
 /// A source, a copy of it with a word, and a copy of that.
@@ -466,11 +419,7 @@ fn a_file_that_comes_while_a_shard_waits_is_not_taken_for_read() {
 #[test]
 fn a_file_that_came_while_a_job_waited_stays_however_the_job_ended() {
     let lose = |path: &Path| fs::write(path.join("fake/lose"), "").unwrap();
-    for (end, next) in [
-        ("lost", "slurm"),
-        ("lost unwatched", "local"),
-        ("taken back", "slurm"),
-    ] {
+    for (end, next) in [("lost", "slurm"), ("lost unwatched", "local"), ("taken back", "slurm")] {
         let (folder, mut follower) = waiting();
         let path = folder.path();
         fs::write(path.join("p/a.txt"), "mine").unwrap();
@@ -480,10 +429,7 @@ fn a_file_that_came_while_a_job_waited_stays_however_the_job_ended() {
                 fs::remove_file(path.join("fake/hold")).unwrap();
                 follower.wait().unwrap();
                 let failed = told(path);
-                assert_eq!(
-                    failed["failures"][0]["cause"]["kind"], "job_lost",
-                    "{failed}"
-                );
+                assert_eq!(failed["failures"][0]["cause"]["kind"], "job_lost", "{failed}");
             }
             "lost unwatched" => {
                 lose(path);

@@ -69,10 +69,7 @@ fn place(root: &Path) -> Place {
 }
 
 fn run_in(root: &Path, text: &str, line: u32) -> Result<RunReport, PipelineError> {
-    let options = RunOptions {
-        jobs: Some(2.try_into().unwrap()),
-        ..RunOptions::default()
-    };
+    let options = RunOptions { jobs: Some(2.try_into().unwrap()), ..RunOptions::default() };
     run_with(root, text, line, &options)
 }
 
@@ -82,10 +79,8 @@ fn run_with(
     line: u32,
     options: &RunOptions,
 ) -> Result<RunReport, PipelineError> {
-    let settings = Settings {
-        set: vec![("line".to_owned(), line.to_string())],
-        ..Settings::default()
-    };
+    let settings =
+        Settings { set: vec![("line".to_owned(), line.to_string())], ..Settings::default() };
     let pipeline = Pipeline::parse(text, Path::new("kill.toml"), root, &settings).unwrap();
     run(&pipeline, &place(root), options, &mut |_| {})
 }
@@ -109,12 +104,7 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
     fn add(folder: &Path, root: &Path, files: &mut BTreeMap<String, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
-            let name = path
-                .strip_prefix(root)
-                .unwrap()
-                .to_str()
-                .unwrap()
-                .to_owned();
+            let name = path.strip_prefix(root).unwrap().to_str().unwrap().to_owned();
             let is_apart = name == "state" || name == "logs" || name.starts_with("moved-aside-");
             if is_apart || path.is_symlink() {
             } else if path.is_dir() {
@@ -139,9 +129,7 @@ fn made(root: &Path) -> BTreeMap<String, (String, BTreeMap<String, String>)> {
 
 /// A generator of our own: the moments must be the same in every run of the test.
 fn next(state: &mut u64) -> u64 {
-    *state = state
-        .wrapping_mul(6_364_136_223_846_793_005)
-        .wrapping_add(1_442_695_040_888_963_407);
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     *state >> 33
 }
 
@@ -244,34 +232,17 @@ fn a_stage_that_cannot_write_all_of_its_file_fails_and_runs_again() {
 fn a_clock_that_was_wrong_neither_hides_a_change_nor_makes_one() {
     let folder = project();
     let source = folder.path().join("source.txt");
-    let set = |time| {
-        fs::File::options()
-            .write(true)
-            .open(&source)
-            .unwrap()
-            .set_modified(time)
-    };
+    let set = |time| fs::File::options().write(true).open(&source).unwrap().set_modified(time);
     let day = Duration::from_hours(24);
-    let ran = |report: RunReport| {
-        report
-            .stages
-            .iter()
-            .filter(|s| s.state == State::Done)
-            .count()
-    };
+    let ran = |report: RunReport| report.stages.iter().filter(|s| s.state == State::Done).count();
     assert_eq!(ran(ran_in(folder.path(), 20)), 10);
     for time in [SystemTime::UNIX_EPOCH + day, SystemTime::now() + 400 * day] {
         set(time).unwrap();
         assert_eq!(ran(ran_in(folder.path(), 20)), 0);
-        let longer = fs::read_to_string(&source)
-            .unwrap()
-            .replacen("37\n", "38\n", 1);
+        let longer = fs::read_to_string(&source).unwrap().replacen("37\n", "38\n", 1);
         fs::write(&source, &longer).unwrap();
         set(time).unwrap();
-        assert!(
-            ran(ran_in(folder.path(), 20)) > 0,
-            "same size and time, other content"
-        );
+        assert!(ran(ran_in(folder.path(), 20)) > 0, "same size and time, other content");
         fs::write(&source, longer.replacen("38\n", "37\n", 1)).unwrap();
         set(time).unwrap();
         assert!(ran(ran_in(folder.path(), 20)) > 0);
@@ -294,10 +265,7 @@ fn a_ledger_that_was_deleted_or_put_back_is_believed_over_a_journal() {
     // Nobody knows any more who made what is there: it stays, and is put aside if that is asked for.
     let report = run_in(folder.path(), PIPELINE, 20).unwrap();
     assert_eq!(report.outcome, Outcome::Failed);
-    let aside = RunOptions {
-        move_aside: true,
-        ..RunOptions::default()
-    };
+    let aside = RunOptions { move_aside: true, ..RunOptions::default() };
     let report = run_with(folder.path(), PIPELINE, 20, &aside).unwrap();
     assert!(report.stages.iter().all(|s| s.state == State::Done));
 }

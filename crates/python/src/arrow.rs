@@ -45,10 +45,7 @@ pub(crate) struct Columns<'py> {
 
 impl<'py> Columns<'py> {
     pub(crate) fn new(py: Python<'py>) -> Self {
-        Self {
-            py,
-            columns: Vec::new(),
-        }
+        Self { py, columns: Vec::new() }
     }
 
     pub(crate) fn numbers(self, name: &str, values: impl IntoIterator<Item = Option<f64>>) -> Self {
@@ -95,11 +92,7 @@ impl<'py> Columns<'py> {
             cells.extend(bytes(value.unwrap_or_default()));
         }
         let rows = there.len();
-        let bitmap = if there.contains(&false) {
-            packed(&there)
-        } else {
-            Vec::new()
-        };
+        let bitmap = if there.contains(&false) { packed(&there) } else { Vec::new() };
         self.push(name, kind, rows, [bitmap, cells])
     }
 

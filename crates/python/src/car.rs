@@ -21,13 +21,7 @@ const LOOK_EVERY: usize = 200;
 type Around = (u32, f64, f64, f64, f64);
 
 fn vehicle((id, x_m, y_m, speed_mps, length_m): Around) -> VehicleState {
-    VehicleState {
-        id: VehicleId(id),
-        x_m,
-        y_m,
-        speed_mps,
-        length_m,
-    }
+    VehicleState { id: VehicleId(id), x_m, y_m, speed_mps, length_m }
 }
 
 /// A speed, a gap and a wish, as Python gives them.
@@ -43,11 +37,7 @@ fn setpoints(asked: (f64, f64, String)) -> PyResult<Setpoints> {
             )));
         }
     };
-    Ok(Setpoints {
-        speed_mps,
-        following_distance_m,
-        wish,
-    })
+    Ok(Setpoints { speed_mps, following_distance_m, wish })
 }
 
 /// The wish in Python's words; one that is not due yet is to stay.
@@ -89,11 +79,7 @@ impl Planner {
                 "a road needs at least one lane, a lane width and a posted speed above 0",
             ));
         }
-        let road = Road {
-            lanes,
-            lane_width_m,
-            posted_speed_mps,
-        };
+        let road = Road { lanes, lane_width_m, posted_speed_mps };
         let paper = Scenario::paper();
         let controllers = &paper.settings().controllers;
         Ok(Self {
@@ -117,39 +103,24 @@ impl Planner {
         let (_, x_m, y_m, speed_mps, length_m) = ego;
         let scene = Scene {
             time_s,
-            ego: EgoState {
-                x_m,
-                y_m,
-                speed_mps,
-                length_m,
-            },
+            ego: EgoState { x_m, y_m, speed_mps, length_m },
             vehicles: vehicles.into_iter().map(vehicle).collect(),
         };
         let numbers = [time_s, x_m, y_m, speed_mps, length_m];
         let around = scene.vehicles.iter();
         let around = around.flat_map(|v| [v.x_m, v.y_m, v.speed_mps, v.length_m]);
         if let Some(bad) = numbers.into_iter().chain(around).find(|v| !v.is_finite()) {
-            return Err(maveric_error(format!(
-                "a scene holds {bad}, expected finite numbers"
-            )));
+            return Err(maveric_error(format!("a scene holds {bad}, expected finite numbers")));
         }
         let view = View {
             scene: &scene,
             road: &self.road,
             reference: self.tracker.observe(&scene),
             lane: lane.unwrap_or_else(|| self.road.nearest_lane(y_m)),
-            activity: if changing {
-                LaneActivity::Changing
-            } else {
-                LaneActivity::Keeping
-            },
+            activity: if changing { LaneActivity::Changing } else { LaneActivity::Keeping },
         };
         let setpoints = self.inner.plan(&view);
-        Ok((
-            setpoints.speed_mps,
-            setpoints.following_distance_m,
-            word(setpoints.wish),
-        ))
+        Ok((setpoints.speed_mps, setpoints.following_distance_m, word(setpoints.wish)))
     }
 }
 
@@ -166,10 +137,7 @@ impl Callable<'_> {
         let scene = view.scene;
         let ego = &scene.ego;
         seen.set_item("time_s", scene.time_s)?;
-        seen.set_item(
-            "ego",
-            (0_u32, ego.x_m, ego.y_m, ego.speed_mps, ego.length_m),
-        )?;
+        seen.set_item("ego", (0_u32, ego.x_m, ego.y_m, ego.speed_mps, ego.length_m))?;
         let around = scene.vehicles.iter();
         let around = around.map(|v| (v.id.0, v.x_m, v.y_m, v.speed_mps, v.length_m));
         seen.set_item("vehicles", around.collect::<Vec<_>>())?;
@@ -256,10 +224,7 @@ pub fn drive_in<'py>(
     };
     let rollout = if let Ok(style) = planner.downcast::<Style>() {
         by_style(style.get(), &scenario, |scenario, driver| {
-            to_the_end(
-                Session::among_others(scenario, driver).map_err(raised)?,
-                around,
-            )
+            to_the_end(Session::among_others(scenario, driver).map_err(raised)?, around)
         })?
     } else {
         by_callable(&planner, &scenario, |scenario, driver, failed| {
@@ -298,17 +263,10 @@ fn by_callable<'py>(
     ) -> PyResult<Rollout>,
 ) -> PyResult<Rollout> {
     let failure = Rc::new(RefCell::new(None));
-    let mut planner = Callable {
-        callable: callable.clone(),
-        raised: failure.clone(),
-    };
+    let mut planner = Callable { callable: callable.clone(), raised: failure.clone() };
     let failed = || failure.take().map_or(Ok(true), Err);
     let controllers = &scenario.settings().controllers;
-    let driven = drive(
-        scenario,
-        Driver::Automated(&mut planner, controllers),
-        &failed,
-    );
+    let driven = drive(scenario, Driver::Automated(&mut planner, controllers), &failed);
     failed()?;
     driven
 }
@@ -346,14 +304,7 @@ fn finished<'py>(py: Python<'py>, rollout: Rollout, name: &str) -> PyResult<Driv
         counts.set_item(key, count)?;
     }
     counts.set_item("inside_safe_distance_s", report.inside_safe_distance_s)?;
-    counts.set_item(
-        "least_safe_distance_share",
-        report.least_safe_distance_share,
-    )?;
-    let drive = DriveOfPython {
-        signals,
-        warnings: Vec::new(),
-        source: "Simulated".to_owned(),
-    };
+    counts.set_item("least_safe_distance_share", report.least_safe_distance_share)?;
+    let drive = DriveOfPython { signals, warnings: Vec::new(), source: "Simulated".to_owned() };
     Ok((drive, counts))
 }

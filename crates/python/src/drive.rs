@@ -73,10 +73,7 @@ impl Drive {
             .integers("changing", whole(&mut r.changing.iter().map(|&c| c.into())))
             .flags("change_completes", &r.change_completes)
             .flags("following", &r.following)
-            .numbers(
-                "following_distance_m",
-                followed.map(|(&f, &d)| f.then_some(d)),
-            )
+            .numbers("following_distance_m", followed.map(|(&f, &d)| f.then_some(d)))
             .numbers("gap_behind_left_m", r.gap_behind_left_m.iter().copied())
             .numbers("gap_behind_right_m", r.gap_behind_right_m.iter().copied())
             .finish()
@@ -144,12 +141,7 @@ pub fn read_log(
         (None, Some(json)) => Some(serde_json::from_str(json).map_err(raised)?),
         (None, None) => None,
     };
-    let settings = IngestSettings {
-        mapping,
-        rate_hz,
-        recover,
-        ..IngestSettings::default()
-    };
+    let settings = IngestSettings { mapping, rate_hz, recover, ..IngestSettings::default() };
     let drives = py.allow_threads(|| maveric_ingest::read_log(&path, &settings));
     let source = path.to_slash_lossy().into_owned();
     let drives = drives.map_err(raised)?.into_iter().map(|log| {
@@ -215,14 +207,8 @@ pub fn score(
     let scored = scored.map_err(raised)?;
     let scores = &scored.scores;
     let out = Columns::new(py)
-        .texts(
-            "participant",
-            scores.iter().map(|s| s.participant.to_string()),
-        )
-        .texts(
-            "score",
-            scores.iter().map(|s| format!("{}.{}", s.scale, s.subscale)),
-        )
+        .texts("participant", scores.iter().map(|s| s.participant.to_string()))
+        .texts("score", scores.iter().map(|s| format!("{}.{}", s.scale, s.subscale)))
         .numbers("value", scores.iter().map(|s| s.value))
         .integers("answered", scores.iter().map(|s| Some(s.answered.into())))
         .integers("items", scores.iter().map(|s| Some(s.items.into())));

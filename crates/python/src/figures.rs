@@ -44,9 +44,7 @@ impl Figure {
 
     #[pyo3(signature = (dots_per_inch = 300.0))]
     fn png<'py>(&self, py: Python<'py>, dots_per_inch: f64) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py
-            .allow_threads(|| self.0.png_at(dots_per_inch))
-            .map_err(raised)?;
+        let bytes = py.allow_threads(|| self.0.png_at(dots_per_inch)).map_err(raised)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
@@ -91,10 +89,7 @@ fn stranger(given: &Value, known: &Value) -> Option<String> {
         (Value::Object(given), Value::Object(known)) => given.iter().find_map(|(name, value)| {
             let Some(inner) = known.get(name) else {
                 let fields: Vec<&str> = known.keys().map(String::as_str).collect();
-                return Some(format!(
-                    "has no field `{name}`; there are {}",
-                    fields.join(", ")
-                ));
+                return Some(format!("has no field `{name}`; there are {}", fields.join(", ")));
             };
             stranger(value, inner)
         }),
@@ -159,9 +154,7 @@ const KINDS: [(&str, Draw); 26] = kinds![
 fn looks(given: Value) -> PyResult<Vec<ConditionLook>> {
     let study = json!({ "study": { "title": "figure" }, "condition": given });
     let text = toml::to_string(&study).map_err(raised)?;
-    Ok(ConditionLook::of(
-        &Design::from_toml(&text).map_err(raised)?,
-    ))
+    Ok(ConditionLook::of(&Design::from_toml(&text).map_err(raised)?))
 }
 
 /// Draws the figure of this name; its input and its conditions are JSON.

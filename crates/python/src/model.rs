@@ -68,12 +68,7 @@ impl Model {
             }
         };
         let range = range_of(score_range)?.unwrap_or(ScoreRange::ADB);
-        let settings = TrainSettings {
-            heads,
-            embedding_size,
-            epochs,
-            ..TrainSettings::default()
-        };
+        let settings = TrainSettings { heads, embedding_size, epochs, ..TrainSettings::default() };
         let mut given = Vec::new();
         for drive in &drives {
             let drive = &drive.get().signals;
@@ -124,11 +119,7 @@ impl Model {
         let adb = adb.map_err(raised)?;
         let fit = py.allow_threads(|| personalize(&self.learned, &drive.signals, adb));
         let fit = fit.map_err(raised)?;
-        Ok(Style {
-            covariance: fit.covariance,
-            support: fit.support,
-            ..self.at(fit.embedding)
-        })
+        Ok(Style { covariance: fit.covariance, support: fit.support, ..self.at(fit.embedding) })
     }
 
     /// The style with these coordinates.
@@ -282,11 +273,7 @@ impl Style {
     fn dial(&self, points: f64) -> PyResult<Self> {
         let axis = LinearHead::aggression(&self.model).map_err(raised)?;
         let moved = axis.shift(&self.embedding, points).map_err(raised)?;
-        Ok(Self {
-            embedding: moved.embedding,
-            clamped: moved.clamped,
-            ..self.clone()
-        })
+        Ok(Self { embedding: moved.embedding, clamped: moved.clamped, ..self.clone() })
     }
 
     /// What the model predicts of this driver: behind a lead at a speed (m/s), or on free road. Linear heads alone.
@@ -297,9 +284,7 @@ impl Style {
         lead_speed_mps: Option<f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
         if lead_speed_mps.is_some_and(|v| !v.is_finite() || v < 0.0) {
-            return Err(maveric_error(
-                "`lead_speed_mps` must be a finite speed of 0 or more",
-            ));
+            return Err(maveric_error("`lead_speed_mps` must be a finite speed of 0 or more"));
         }
         let habits = Habits::new(&self.model, &self.embedding).map_err(raised)?;
         let free = habits.free_speed_mps(None);
@@ -313,24 +298,17 @@ impl Style {
         };
         predicted.set_item("following_gap_s", against_lead(Habits::following_gap_s))?;
         predicted.set_item("passes", against_lead(Habits::passes))?;
-        predicted.set_item(
-            "passing_speed_over_mps",
-            against_lead(Habits::passing_speed_over_mps),
-        )?;
+        predicted
+            .set_item("passing_speed_over_mps", against_lead(Habits::passing_speed_over_mps))?;
         Ok(predicted)
     }
 
     fn __repr__(&self) -> PyResult<String> {
-        let words: Vec<String> = self
-            .embedding
-            .coordinates()
-            .iter()
-            .map(|x| format!("{x:.3}"))
-            .collect();
+        let words: Vec<String> =
+            self.embedding.coordinates().iter().map(|x| format!("{x:.3}")).collect();
         let reads = self.aggression()?;
-        let reads = reads.map_or_else(String::new, |points| {
-            format!(", read as {points:.1} points")
-        });
+        let reads =
+            reads.map_or_else(String::new, |points| format!(", read as {points:.1} points"));
         Ok(format!("<maveric.Style ({}){reads}>", words.join(", ")))
     }
 }

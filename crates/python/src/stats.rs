@@ -13,8 +13,7 @@ type Found = (String, Vec<String>, Vec<String>);
 #[pyfunction]
 pub fn stats(py: Python<'_>, words: Vec<String>, data: Given) -> PyResult<Found> {
     let table = table_of(data);
-    let outcome = py
-        .allow_threads(|| maveric_cli::stats_of_table(&words, table))
-        .map_err(maveric_error)?;
+    let outcome =
+        py.allow_threads(|| maveric_cli::stats_of_table(&words, table)).map_err(maveric_error)?;
     Ok((outcome.value.to_string(), outcome.summary, outcome.warnings))
 }

@@ -38,10 +38,7 @@ pub(crate) struct Loan<'a> {
 impl<'a> Loan<'a> {
     /// The donor's style, moved to the rider's score.
     pub(crate) fn setting(&self) -> CarSetting<'a> {
-        CarSetting::Lent {
-            donor: self.donor,
-            shift: self.offer.shift_points / POINTS,
-        }
+        CarSetting::Lent { donor: self.donor, shift: self.offer.shift_points / POINTS }
     }
 }
 
@@ -88,11 +85,7 @@ pub(crate) fn across(population: &PopulationModel, person: &Participant) -> Vec<
 pub(crate) fn enough(condition: ConditionId, people: usize) -> Result<(), RehearsalError> {
     let donors = people.saturating_sub(1);
     if donors < FEWEST_DONORS {
-        return Err(RehearsalError::FewDonors {
-            condition,
-            people,
-            donors,
-        });
+        return Err(RehearsalError::FewDonors { condition, people, donors });
     }
     Ok(())
 }
@@ -134,15 +127,10 @@ mod tests {
     use maveric_participants::{Cohort, CohortSettings};
     use std::collections::BTreeMap;
 
-    const MATCHED: Matched = Matched {
-        from: Donors::Tested,
-        apart_sd: [0.7, 2.5],
-    };
+    const MATCHED: Matched = Matched { from: Donors::Tested, apart_sd: [0.7, 2.5] };
 
     fn people(n: usize) -> Vec<Participant> {
-        Cohort::draw(0, n, 3, &CohortSettings::default(), &design())
-            .unwrap()
-            .participants
+        Cohort::draw(0, n, 3, &CohortSettings::default(), &design()).unwrap().participants
     }
 
     /// These places on the line and across it, of as many people.
@@ -163,9 +151,8 @@ mod tests {
     fn a_donor_within_reach_is_drawn_as_evenly_as_can_be_and_nobody_lends_to_themselves() {
         let people = people(8);
         // Everybody is 2 points and 1 SD or more from everybody of the other four.
-        let at: Vec<(f64, f64)> = (0..8)
-            .map(|i| (f64::from(i % 2) * 2.0, f64::from(i / 4)))
-            .collect();
+        let at: Vec<(f64, f64)> =
+            (0..8).map(|i| (f64::from(i % 2) * 2.0, f64::from(i / 4))).collect();
         let places = placed(&people, &at);
         let loans = lent(&places, 5);
         let mut times = BTreeMap::new();
@@ -190,14 +177,7 @@ mod tests {
     fn where_nobody_is_within_reach_the_nearest_lends_and_is_marked() {
         let people = people(6);
         // The last is 20 points from the next one, whoever was lent how often.
-        let at = [
-            (0.0, 0.0),
-            (1.0, 1.0),
-            (2.0, 0.0),
-            (3.0, 1.0),
-            (4.0, 0.0),
-            (24.0, 1.0),
-        ];
+        let at = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 1.0), (4.0, 0.0), (24.0, 1.0)];
         let places = placed(&people, &at);
         let loans = lent(&places, 1);
         assert_eq!(loans[5].donor.id, people[4].id);

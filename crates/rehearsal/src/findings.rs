@@ -67,10 +67,7 @@ pub fn own_style(models: &[&[Fidelity]]) -> Finding {
         let (mean, range) = over(|f| f.mimic).unzip();
         Part::within(row.title, row.n, (mean, range), (floor, f64::INFINITY))
     };
-    Finding::every(
-        Question::OwnStyle,
-        first.iter().enumerate().map(part).collect(),
-    )
+    Finding::every(Question::OwnStyle, first.iter().enumerate().map(part).collect())
 }
 
 /// The way of telling drivers apart that decides: by a distance that knows how people vary from day to day.
@@ -84,18 +81,9 @@ pub fn recognised(models: &[&[Identification]]) -> Option<Finding> {
     let part = |i: &Identification| {
         let chance = 1.0 / i.n.max(1) as f64;
         let interval = Some((i.low, i.high));
-        Part::within(
-            i.what,
-            i.n,
-            (Some(i.rate), interval),
-            (chance, f64::INFINITY),
-        )
+        Part::within(i.what, i.n, (Some(i.rate), interval), (chance, f64::INFINITY))
     };
-    let parts: Vec<Part> = models
-        .iter()
-        .filter_map(|m| deciding(m))
-        .map(part)
-        .collect();
+    let parts: Vec<Part> = models.iter().filter_map(|m| deciding(m)).map(part).collect();
     (!parts.is_empty()).then(|| Finding::every(Question::Recognised, parts))
 }
 
@@ -113,11 +101,7 @@ pub fn dial(models: &[&[Dial]]) -> Finding {
 
 /// Does driving alone tell the score? For every model the correlation of the fit without it has to be above 0.
 pub fn style(models: &[&[Agreement]]) -> Option<Finding> {
-    let alone = |m: &&[Agreement]| {
-        m.iter()
-            .find(|a| a.reading == Reading::WithoutScore)
-            .cloned()
-    };
+    let alone = |m: &&[Agreement]| m.iter().find(|a| a.reading == Reading::WithoutScore).cloned();
     let part = |a: Agreement| {
         let estimate = (a.adb, a.adb_interval);
         Part::within(a.reading.title(), a.n, estimate, (0.0, f64::INFINITY))
@@ -161,10 +145,7 @@ pub fn beyond_speed(orders: &[&Order]) -> Finding {
         let ends = (0.0, f64::INFINITY);
         Some(Part::within(order.asked.title(), n, estimate, ends))
     };
-    Finding::every(
-        Question::BeyondSpeed,
-        orders.iter().filter_map(part).collect(),
-    )
+    Finding::every(Question::BeyondSpeed, orders.iter().filter_map(part).collect())
 }
 
 /// Is a driver whom the model has not met recognised in another drive? By the style more often than by chance.

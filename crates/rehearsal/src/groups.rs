@@ -94,9 +94,7 @@ mod tests {
             let tests = found.tests.iter().filter_map(|t| {
                 // Over everybody: within a group the key has its level before a point.
                 let effect = t.key.strip_prefix(panel).filter(|e| !e.contains('.'))?;
-                t.family
-                    .is_none()
-                    .then(|| (effect.to_owned(), t.p.is_some()))
+                t.family.is_none().then(|| (effect.to_owned(), t.p.is_some()))
             });
             tests.collect()
         };
@@ -120,10 +118,7 @@ mod tests {
     #[test]
     fn people_are_dealt_evenly_and_a_design_without_groups_has_no_table_of_people() {
         let study = world(GROUPS).study(12, 3).unwrap();
-        let cars = study
-            .people
-            .iter()
-            .filter(|p| study.data.column(&p.id, "vehicle") == Some("c"));
+        let cars = study.people.iter().filter(|p| study.data.column(&p.id, "vehicle") == Some("c"));
         assert_eq!(cars.count(), 6);
         let plain = world("").study(12, 3).unwrap();
         let first = &plain.people[0].id;

@@ -66,9 +66,7 @@ pub struct Uncounted {
 #[serde(rename_all = "snake_case", tag = "missing")]
 pub enum Missing {
     /// They drove in no such role.
-    Drive {
-        role: ConditionId,
-    },
+    Drive { role: ConditionId },
     /// They drove only once in the role.
     Second {
         /// The role that was to be driven twice.
@@ -119,10 +117,7 @@ impl fmt::Display for Missing {
             }
             Self::Measures { measures } => {
                 let measures = measures.join(", ").to_lowercase();
-                write!(
-                    f,
-                    "no {measures} in one of the two drives, counted in the rest"
-                )
+                write!(f, "no {measures} in one of the two drives, counted in the rest")
             }
             Self::Change => {
                 f.write_str("no change that was measured in their drives and in the car's")
@@ -158,10 +153,7 @@ const REACH: f64 = 2.0;
 /// Whether a wrong order is not what the standard error lets expect: the interval of its difference does not hold 0. Where no standard
 /// error is known nobody can say so.
 fn wrong_and_sure(wrong: bool, difference: Option<f64>, se: Option<f64>) -> bool {
-    wrong
-        && difference
-            .zip(se)
-            .is_some_and(|(d, se)| d.abs() > REACH * se)
+    wrong && difference.zip(se).is_some_and(|(d, se)| d.abs() > REACH * se)
 }
 
 /// Mean and SD between people of a value over everybody but `who`, the SD within roles and pooled over them; none where no role has
@@ -252,11 +244,7 @@ mod tests {
         let said = [
             Missing::Drive { role }.to_string(),
             Missing::Second { role }.to_string(),
-            Missing::Reading {
-                drive,
-                by: By::TimeGap,
-            }
-            .to_string(),
+            Missing::Reading { drive, by: By::TimeGap }.to_string(),
             Missing::Measures {
                 measures: vec!["Mean speed".to_owned(), "Smallest gap".to_owned()],
             }

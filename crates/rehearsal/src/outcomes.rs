@@ -105,15 +105,7 @@ fn r_and_p(c: &Correlation) -> (Option<f64>, Option<f64>) {
 fn alone(a: &Analysis) -> Vec<Found> {
     let mut tests = Vec::new();
     let mut add = |part, key: String, about: String, estimate, p| {
-        tests.push(Found {
-            part,
-            key,
-            about,
-            family: None,
-            estimate,
-            p,
-            p_holm: None,
-        });
+        tests.push(Found { part, key, about, family: None, estimate, p, p_holm: None });
     };
     for line in [&a.line, &a.line_without_adb].into_iter().flatten() {
         let (fit, fitted) = if line.adb_used {
@@ -124,13 +116,7 @@ fn alone(a: &Analysis) -> Vec<Found> {
         for row in &line.rows {
             let (r, p) = r_and_p(&row.correlation);
             let about = format!("{}, {fitted}", row.title);
-            add(
-                Part::Line,
-                format!("line.{fit}.{}", row.measure),
-                about,
-                r,
-                p,
-            );
+            add(Part::Line, format!("line.{fit}.{}", row.measure), about, r, p);
         }
     }
     for panel in &a.panels {
@@ -146,13 +132,7 @@ fn alone(a: &Analysis) -> Vec<Found> {
             ("angle", angle_r, angle_p),
             ("circle", row.circular_r, row.circular_p),
         ] {
-            add(
-                Part::Kept,
-                key(what),
-                format!("{}, {what}", row.title),
-                r,
-                p,
-            );
+            add(Part::Kept, key(what), format!("{}, {what}", row.title), r, p);
         }
     }
     for row in &a.similarity {
@@ -220,15 +200,7 @@ fn in_families(a: &Analysis) -> Vec<Found> {
     let mut tests = Vec::new();
     let mut corrected =
         |part, (key, about): (String, String), family: String, estimate, p, p_holm| {
-            tests.push(Found {
-                part,
-                key,
-                about,
-                family: Some(family),
-                estimate,
-                p,
-                p_holm,
-            });
+            tests.push(Found { part, key, about, family: Some(family), estimate, p, p_holm });
         };
     for panel in &a.panels {
         let name = name_of(panel);
@@ -260,14 +232,7 @@ fn in_families(a: &Analysis) -> Vec<Found> {
         let (title, rating, own, versus) = (&row.title, &row.rating_title, row.own, row.versus);
         let about = format!("{title} / {rating} ({own} − {versus})");
         let (r, p) = r_and_p(&row.correlation);
-        corrected(
-            Part::Homophily,
-            (row.key(), about),
-            "homophily".to_owned(),
-            r,
-            p,
-            row.p_holm,
-        );
+        corrected(Part::Homophily, (row.key(), about), "homophily".to_owned(), r, p, row.p_holm);
     }
     tests
 }

@@ -154,12 +154,7 @@ impl PopulationModel {
                     within(key("sd"), m.sd, 1e-9, 1e6)?;
                     within(key("mean"), m.mean, if m.log { 1e-9 } else { -1e6 }, 1e6)?;
                     within(key("missing"), m.missing, 0.0, 0.9)?;
-                    within(
-                        key("loadings (sum of squares)"),
-                        squares(&m.loadings),
-                        0.0,
-                        1.0,
-                    )?;
+                    within(key("loadings (sum of squares)"), squares(&m.loadings), 0.0, 1.0)?;
                     within(key("low"), m.low, -1e6, m.high)?;
                     within(key("error_sd"), m.error_sd, 0.0, 10.0)?;
                     for (field, value) in [
@@ -171,11 +166,9 @@ impl PopulationModel {
                     ] {
                         within(key(field), value, -10.0, 10.0)?;
                     }
-                    for (field, value) in [
-                        ("up.sd", m.up.sd),
-                        ("down.sd", m.down.sd),
-                        ("across.sd", m.across.sd),
-                    ] {
+                    for (field, value) in
+                        [("up.sd", m.up.sd), ("down.sd", m.down.sd), ("across.sd", m.across.sd)]
+                    {
                         within(key(field), value, 0.0, 10.0)?;
                     }
                 }
@@ -201,16 +194,8 @@ impl PopulationModel {
         let mut scaled = self.clone();
         let squares: f64 = scaled.line.loadings.values().map(|l| l * l).sum();
         // A loading cannot explain more than there is.
-        let most = if squares > 0.0 {
-            0.97 / squares.sqrt()
-        } else {
-            1.0
-        };
-        scaled
-            .line
-            .loadings
-            .values_mut()
-            .for_each(|l| *l *= factor.min(most));
+        let most = if squares > 0.0 { 0.97 / squares.sqrt() } else { 1.0 };
+        scaled.line.loadings.values_mut().for_each(|l| *l *= factor.min(most));
         scaled.line.adb_weight = (scaled.line.adb_weight * factor).min(1.0);
         for measure in scaled.measures.values_mut() {
             if let MeasureModel::Drawn(m) = measure {

@@ -12,12 +12,8 @@ impl Cell {
     /// The tests of each part of the analysis that has any.
     pub fn by_part(&self) -> Vec<(Part, Vec<&TestRate>)> {
         let tests_in = |part: Part| self.tests.iter().filter(move |t| t.part == part);
-        let parts = Part::ALL
-            .into_iter()
-            .map(|part| (part, tests_in(part).collect()));
-        parts
-            .filter(|(_, tests): &(_, Vec<_>)| !tests.is_empty())
-            .collect()
+        let parts = Part::ALL.into_iter().map(|part| (part, tests_in(part).collect()));
+        parts.filter(|(_, tests): &(_, Vec<_>)| !tests.is_empty()).collect()
     }
 
     /// Of each part of the analysis the test that most studies found.
@@ -26,9 +22,7 @@ impl Cell {
             if t.rejected > best.rejected { t } else { best }
         }
         let parts = self.by_part().into_iter();
-        parts
-            .filter_map(|(_, tests)| tests.into_iter().reduce(most))
-            .collect()
+        parts.filter_map(|(_, tests)| tests.into_iter().reduce(most)).collect()
     }
 }
 
@@ -77,13 +71,7 @@ mod tests {
                 judged: shown
                     .iter()
                     // A difference the wrong way has a small p as well.
-                    .map(|count| {
-                        judged(if i < *count {
-                            Verdict::Shown
-                        } else {
-                            Verdict::Fails
-                        })
-                    })
+                    .map(|count| judged(if i < *count { Verdict::Shown } else { Verdict::Fails }))
                     .collect(),
             })
             .collect();

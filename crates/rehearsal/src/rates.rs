@@ -143,17 +143,11 @@ impl Cell {
                 mean_estimate: mean(&estimates),
                 mean_when_significant: {
                     let yes = |f: &&&Found| f.p.is_some_and(|p| p < ALPHA);
-                    let seen: Vec<f64> = results
-                        .iter()
-                        .filter(yes)
-                        .filter_map(|f| f.estimate)
-                        .collect();
+                    let seen: Vec<f64> =
+                        results.iter().filter(yes).filter_map(|f| f.estimate).collect();
                     mean(&seen)
                 },
-                above_zero: share(
-                    estimates.iter().filter(|e| **e > 0.0).count(),
-                    estimates.len(),
-                ),
+                above_zero: share(estimates.iter().filter(|e| **e > 0.0).count(), estimates.len()),
             }
         });
         Self {
@@ -181,12 +175,7 @@ fn findings(studies: &[Studied]) -> Vec<FindingRate> {
         let findings = studies.iter().flat_map(|s| &s.findings);
         let findings = findings.filter(|(answered, _)| *answered == question);
         let (studies, shown, fails) = shares(findings.map(|(_, verdict)| *verdict));
-        FindingRate {
-            question,
-            studies,
-            shown,
-            fails,
-        }
+        FindingRate { question, studies, shown, fails }
     };
     questions.into_iter().map(rate).collect()
 }
@@ -194,18 +183,13 @@ fn findings(studies: &[Studied]) -> Vec<FindingRate> {
 fn hypotheses(studies: &[Studied]) -> Vec<HypothesisRate> {
     let count = studies.first().map_or(0, |s| s.judged.len());
     let judgements = |i: usize| studies.iter().map(|s| &s.judged[i]).collect::<Vec<_>>();
-    (0..count)
-        .filter_map(|i| HypothesisRate::from_judged(&judgements(i)))
-        .collect()
+    (0..count).filter_map(|i| HypothesisRate::from_judged(&judgements(i))).collect()
 }
 
 fn families(studies: &[Studied]) -> Vec<FamilyRate> {
     let mut members: BTreeMap<&str, usize> = BTreeMap::new();
-    for family in studies
-        .first()
-        .into_iter()
-        .flat_map(|s| &s.tests)
-        .filter_map(|f| f.family.as_deref())
+    for family in
+        studies.first().into_iter().flat_map(|s| &s.tests).filter_map(|f| f.family.as_deref())
     {
         *members.entry(family).or_default() += 1;
     }
@@ -268,21 +252,10 @@ mod tests {
         let studies = [
             vec![found(0.01, 0.02, 0.4), found(0.5, 0.5, -0.1)],
             vec![found(0.04, 0.08, 0.2), found(0.9, 0.9, 0.1)],
-            vec![
-                Found {
-                    p: None,
-                    p_holm: None,
-                    ..found(0.3, 0.6, 0.3)
-                },
-                found(0.7, 0.7, 0.3),
-            ],
+            vec![Found { p: None, p_holm: None, ..found(0.3, 0.6, 0.3) }, found(0.7, 0.7, 0.3)],
             vec![found(0.3, 0.6, -0.1), found(0.06, 0.12, 0.3)],
         ]
-        .map(|tests| Studied {
-            tests,
-            judged: Vec::new(),
-            findings: Vec::new(),
-        });
+        .map(|tests| Studied { tests, judged: Vec::new(), findings: Vec::new() });
         let cell = Cell::of(24, 1.0, &studies);
         let first = &cell.tests[0];
         assert_eq!((first.studies, first.rejected), (3, 2));
@@ -307,10 +280,7 @@ mod tests {
             1.0,
             &[
                 study(&[(Question::Dial, Verdict::Shown)]),
-                study(&[
-                    (Question::Dial, Verdict::Fails),
-                    (Question::Stays, Verdict::Shown),
-                ]),
+                study(&[(Question::Dial, Verdict::Fails), (Question::Stays, Verdict::Shown)]),
                 study(&[
                     (Question::Dial, Verdict::NotAsked),
                     (Question::Hypothesis(1), Verdict::Shown),
@@ -353,10 +323,8 @@ mod tests {
     #[test]
     fn without_effects_tests_say_yes_about_one_time_in_twenty() {
         let cell = run(&world().scaled(0.0), 12, 40);
-        let (yes, all) = cell
-            .tests
-            .iter()
-            .fold((0, 0), |(yes, all), t| (yes + t.rejected, all + t.studies));
+        let (yes, all) =
+            cell.tests.iter().fold((0, 0), |(yes, all), t| (yes + t.rejected, all + t.studies));
         let rate = yes as f64 / all as f64;
         assert!((0.03..0.07).contains(&rate), "{rate} of {all}");
     }
@@ -395,9 +363,7 @@ mod tests {
             let study = world.study(5, seed).unwrap();
             let p = study.data.participants[2].clone();
             let name = "rosas.competence".parse().unwrap();
-            study
-                .data
-                .rated(&p, study.data.design.own_style().unwrap(), &name)
+            study.data.rated(&p, study.data.design.own_style().unwrap(), &name)
         };
         assert_eq!(scores(3), scores(3));
         let all: std::collections::BTreeSet<String> =

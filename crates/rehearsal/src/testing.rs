@@ -19,10 +19,7 @@ pub(crate) fn population() -> PopulationModel {
 
 pub(crate) fn world() -> World {
     let scales = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/scales");
-    let mut paths: Vec<_> = std::fs::read_dir(scales)
-        .unwrap()
-        .map(|e| e.unwrap().path())
-        .collect();
+    let mut paths: Vec<_> = std::fs::read_dir(scales).unwrap().map(|e| e.unwrap().path()).collect();
     paths.retain(|p| p.extension().is_some_and(|e| e == "toml"));
     paths.sort();
     let scale =

@@ -51,25 +51,13 @@ mod tests {
 
     #[test]
     fn a_car_is_known_where_it_drives_a_style_that_made_up_people_have() {
-        let matched = Matched {
-            from: Donors::Learned,
-            apart_sd: [0.7, 2.5],
-        };
-        for car in [
-            Car::Dial(-15.0),
-            Car::Across,
-            Car::Mean,
-            Car::Matched(matched),
-        ] {
+        let matched = Matched { from: Donors::Learned, apart_sd: [0.7, 2.5] };
+        for car in [Car::Dial(-15.0), Car::Across, Car::Mean, Car::Matched(matched)] {
             assert_eq!(UnknownCar::of(Some(&car)), None, "{car:?}");
         }
         for (car, why, says) in [
             (None, UnknownCar::Recorded, "recorded elsewhere"),
-            (
-                Some(Car::Embedding("styles.csv".into())),
-                UnknownCar::Given,
-                "a trained model",
-            ),
+            (Some(Car::Embedding("styles.csv".into())), UnknownCar::Given, "a trained model"),
             (Some(Car::Replay), UnknownCar::Replayed, "moment by moment"),
             (Some(Car::Free), UnknownCar::Turned, "turn the dial"),
         ] {

@@ -63,10 +63,7 @@ impl World {
         }
         let styles = donors::style_traits(&population).len();
         if let Some((condition, _)) = matched(&design).next().filter(|_| styles < 2) {
-            return Err(RehearsalError::NothingAcross {
-                condition,
-                found: styles,
-            });
+            return Err(RehearsalError::NothingAcross { condition, found: styles });
         }
         if let Some(probe) = &design.protocol().probe
             && !scales.iter().any(|scale| scale.id == probe.scale)
@@ -123,10 +120,7 @@ impl World {
             return Err(RehearsalError::NoBaseline);
         };
         let tables = self.tables(&people, baseline, &answers, seed)?;
-        Ok(Rehearsed {
-            people,
-            data: StudyData::new(&self.design, tables)?,
-        })
+        Ok(Rehearsed { people, data: StudyData::new(&self.design, tables)? })
     }
 
     /// What these people left behind.
@@ -143,18 +137,13 @@ impl World {
             let score = style.score(&pre, person);
             let z = score.map_or(0.0, |score| style.standardised(score));
             let (without, with) = self.population.positions(person, z, seed);
-            Fitted {
-                score,
-                without,
-                with,
-            }
+            Fitted { score, without, with }
         });
         let fitted: Vec<Fitted> = fitted.collect();
         let lent = self.lent(people, &fitted, &style, seed)?;
         let drives = people.iter().zip(lent);
-        let drives: Vec<Driven<'_>> = drives
-            .map(|(person, lent)| self.drives(person, lent, baseline, seed))
-            .collect();
+        let drives: Vec<Driven<'_>> =
+            drives.map(|(person, lent)| self.drives(person, lent, baseline, seed)).collect();
         let mut tables = Tables {
             scales: self.scales.clone(),
             post: self.ratings(people, &drives, seed)?,
@@ -181,10 +170,7 @@ impl World {
                 let lent = lent.map(|loan| self.lent_row(loan, baseline, &style));
                 let places = [fitted.with, 0.0].map(|position| style.points(position));
                 let row = condition_row(person, condition, places, driven.angle)?;
-                tables.conditions.push(ConditionRow {
-                    lent: lent.transpose()?,
-                    ..row
-                });
+                tables.conditions.push(ConditionRow { lent: lent.transpose()?, ..row });
             }
         }
         Ok(tables)
@@ -288,10 +274,9 @@ impl World {
         let by_hand = self.design.rides(baseline).skip(1);
         let by_hand = by_hand.map(|ride| (ride, CarSetting::ByHand));
         let ridden = self.design.conditions().iter().flat_map(|condition| {
-            let setting = lent.get(&condition.id).map_or_else(
-                || CarSetting::for_condition(condition, angle, step),
-                Loan::setting,
-            );
+            let setting = lent
+                .get(&condition.id)
+                .map_or_else(|| CarSetting::for_condition(condition, angle, step), Loan::setting);
             let rides = self.design.rides(condition.id);
             rides.map(move |ride| (ride, setting))
         });
@@ -305,13 +290,7 @@ impl World {
         let drives = self.population.drives(person, &labelled, seed);
         let values = settings.iter().map(|(ride, _)| *ride).zip(drives.trials);
         let (again, trials) = values.partition(|(ride, _)| ride.condition == baseline);
-        Driven {
-            own: drives.own,
-            again,
-            trials,
-            angle,
-            lent,
-        }
+        Driven { own: drives.own, again, trials, angle, lent }
     }
 
     /// Scores of what people say of their rides: afterwards, and on the way.
@@ -392,10 +371,7 @@ impl World {
         let declared = self.design.style();
         let mut style = OwnStyleScore {
             name: declared.map_or_else(
-                || ScoreName {
-                    scale: "adb".to_owned(),
-                    subscale: "total".to_owned(),
-                },
+                || ScoreName { scale: "adb".to_owned(), subscale: "total".to_owned() },
                 |style| style.score.clone(),
             ),
             aggression: declared.map_or(1.0, |style| style.aggression.factor()),
@@ -403,11 +379,8 @@ impl World {
             sd: self.effects.adb.sd_points,
         };
         if (style.name.scale.as_str(), style.name.subscale.as_str()) != ("adb", "total") {
-            let scores: Vec<f64> = pre
-                .iter()
-                .filter(|s| style.is(s))
-                .filter_map(|s| s.value)
-                .collect();
+            let scores: Vec<f64> =
+                pre.iter().filter(|s| style.is(s)).filter_map(|s| s.value).collect();
             let n = scores.len() as f64;
             style.mean = scores.iter().sum::<f64>() / n;
             let squares: f64 = scores.iter().map(|v| (v - style.mean).powi(2)).sum();
@@ -420,11 +393,7 @@ impl World {
 }
 
 fn meta(person: &Participant, ride: Ride, by_hand: bool) -> Result<DriveMeta, RehearsalError> {
-    let driven_by = if by_hand {
-        DrivenBy::Synthetic
-    } else {
-        DrivenBy::Automated
-    };
+    let driven_by = if by_hand { DrivenBy::Synthetic } else { DrivenBy::Automated };
     let drive = DriveId::in_condition(&person.id, ride)?;
     let meta = DriveMeta::new(drive, person.id.clone(), ride.condition, driven_by);
     Ok(meta.on(ride.occasion))

@@ -28,11 +28,6 @@ fn errors_of_the_person_hold_whether_people_vary_from_day_to_day_or_not() {
         let errors = errors(&who, HeadsKind::Linear, SIZES, SEED).unwrap();
         assert!(errors.days.is_some());
         assert!(hold(&errors.of_person), "{:?}", errors.of_person);
-        assert_eq!(
-            hold(&errors.of_drive),
-            drive_is_enough,
-            "{:?}",
-            errors.of_drive
-        );
+        assert_eq!(hold(&errors.of_drive), drive_is_enough, "{:?}", errors.of_drive);
     }
 }

@@ -29,12 +29,8 @@ const PAPER: [&str; 11] = [
 ];
 
 fn paper() -> Vec<Figure> {
-    let drawn = made_up::kinds::KINDS
-        .iter()
-        .filter(|(name, _)| PAPER.contains(name));
-    drawn
-        .filter_map(|(_, draw)| draw(&context()).ok())
-        .collect()
+    let drawn = made_up::kinds::KINDS.iter().filter(|(name, _)| PAPER.contains(name));
+    drawn.filter_map(|(_, draw)| draw(&context()).ok()).collect()
 }
 
 #[divan::bench(name = "report/svg/paper", sample_count = 10)]
@@ -49,12 +45,9 @@ fn svg_of_every_figure() -> Option<Vec<Figure>> {
 
 #[divan::bench(name = "report/png/paper", sample_count = 5)]
 fn png_of_the_paper(bencher: divan::Bencher<'_, '_>) {
-    bencher.with_inputs(paper).bench_values(|figures| {
-        figures
-            .iter()
-            .map(Figure::png)
-            .collect::<Result<Vec<_>, _>>()
-    });
+    bencher
+        .with_inputs(paper)
+        .bench_values(|figures| figures.iter().map(Figure::png).collect::<Result<Vec<_>, _>>());
 }
 
 /// The page, every figure as SVG and PNG, every table in four formats.

@@ -35,9 +35,8 @@ pub fn html(markup: &str) -> String {
     let mut out = String::new();
     for run in runs(markup) {
         // A statistic does not break before or after its sign.
-        let mut text = escape(&run.text)
-            .replace(" = ", "\u{a0}=\u{a0}")
-            .replace(" &lt; ", "\u{a0}&lt;\u{a0}");
+        let mut text =
+            escape(&run.text).replace(" = ", "\u{a0}=\u{a0}").replace(" &lt; ", "\u{a0}&lt;\u{a0}");
         if run.italic {
             text = format!("<i>{text}</i>");
         }
@@ -53,9 +52,7 @@ pub fn html(markup: &str) -> String {
 /// A sentence with its first letter large.
 pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| {
-        first.to_uppercase().chain(letters).collect()
-    })
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 #[cfg(test)]

@@ -1,8 +1,5 @@
 //! The page and its files.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a helper of a test stops at the first surprise"
-)]
+#![expect(clippy::unwrap_used, reason = "a helper of a test stops at the first surprise")]
 
 #[path = "../examples/gallery/made_up.rs"]
 mod made_up;
@@ -26,9 +23,7 @@ fn index(files: &[RenderedFile]) -> &str {
 /// A report with one small figure.
 fn short(context: &Context) -> Report {
     let mut report = made_up::report(context).unwrap();
-    report.sections[0]
-        .figures
-        .retain(|figure| figure.name == "embedding-space");
+    report.sections[0].figures.retain(|figure| figure.name == "embedding-space");
     report
 }
 
@@ -43,10 +38,7 @@ fn a_synthetic_page_says_so_before_anything_else() {
 
 #[test]
 fn a_page_of_drives_by_a_script_says_so_too() {
-    let scripted = Context {
-        scripted: true,
-        ..Context::real()
-    };
+    let scripted = Context { scripted: true, ..Context::real() };
     let files = render(&short(&scripted)).unwrap();
     let page = index(&files);
     assert!(page.find("Driven by a script.</strong>").unwrap() < page.find("<h1>").unwrap());
@@ -70,12 +62,7 @@ fn the_answers_stand_before_everything_else_and_the_supplement_is_folded_behind(
         assert!(page.contains(said), "{said}");
     }
     let fold = at("<details class=\"supplement\"");
-    for behind in [
-        "id=\"methods\"",
-        "id=\"ledger\"",
-        "id=\"exclusions\"",
-        "id=\"provenance\"",
-    ] {
+    for behind in ["id=\"methods\"", "id=\"ledger\"", "id=\"exclusions\"", "id=\"provenance\""] {
         assert!(fold < at(behind), "{behind}");
     }
     assert!(at("id=\"section-1\"") < fold);
@@ -103,10 +90,7 @@ fn a_card_links_to_nothing_that_the_page_has_not_and_two_of_one_name_are_refused
     report.cards[0].see = Some("table-nowhere".into());
     assert!(!index(&render(&report).unwrap()).contains("table-nowhere"));
     report.cards.push(report.cards[0].clone());
-    assert!(matches!(
-        render(&report),
-        Err(ReportError::DuplicateName { .. })
-    ));
+    assert!(matches!(render(&report), Err(ReportError::DuplicateName { .. })));
 }
 
 #[test]
@@ -138,11 +122,8 @@ fn what_somebody_typed_stays_text() {
 #[test]
 fn ids_are_unique() {
     let page = index(files());
-    let mut ids: Vec<&str> = page
-        .split(" id=\"")
-        .skip(1)
-        .filter_map(|rest| rest.split('"').next())
-        .collect();
+    let mut ids: Vec<&str> =
+        page.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     let count = ids.len();
     ids.sort_unstable();
     ids.dedup();
@@ -151,11 +132,7 @@ fn ids_are_unique() {
 
 #[test]
 fn every_figure_and_table_is_a_file_too() {
-    let has = |path: &str| {
-        files()
-            .iter()
-            .any(|file| file.path == path && !file.bytes.is_empty())
-    };
+    let has = |path: &str| files().iter().any(|file| file.path == path && !file.bytes.is_empty());
     for path in [
         "figures/difference-panels.svg",
         "figures/difference-panels.png",
@@ -179,10 +156,7 @@ fn two_tables_of_one_name_are_refused() {
     let mut report = short(&Context::synthetic(3));
     let table = report.sections[1].tables[0].clone();
     report.sections[1].tables.push(table);
-    assert!(matches!(
-        render(&report),
-        Err(ReportError::DuplicateName { .. })
-    ));
+    assert!(matches!(render(&report), Err(ReportError::DuplicateName { .. })));
 }
 
 #[test]

@@ -1,8 +1,5 @@
 //! The page of what goes wrong: nobody left, ten thousand, names that try to be markup, numbers that are none.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a helper of a test stops at the first surprise"
-)]
+#![expect(clippy::unwrap_used, reason = "a helper of a test stops at the first surprise")]
 
 use base64::{Engine as _, engine::general_purpose::STANDARD};
 use maveric_domain::ConditionId;
@@ -65,9 +62,7 @@ fn index(report: &Report) -> String {
 /// The content of every `script` that a browser would run.
 fn scripts(page: &str) -> Vec<&str> {
     let starts = page.split("<script>").skip(1);
-    starts
-        .map(|rest| rest.split("</script>").next().unwrap())
-        .collect()
+    starts.map(|rest| rest.split("</script>").next().unwrap()).collect()
 }
 
 #[test]
@@ -77,13 +72,7 @@ fn only_the_pages_own_scripts_may_run() {
     report.ledger = Some(Vec::new());
     report.warnings.push(NASTY.into());
     let page = index(&report);
-    let policy = page
-        .split("script-src")
-        .nth(1)
-        .unwrap()
-        .split(';')
-        .next()
-        .unwrap();
+    let policy = page.split("script-src").nth(1).unwrap().split(';').next().unwrap();
     let found = scripts(&page);
     assert_eq!(found.len(), 4);
     for script in found {
@@ -99,11 +88,7 @@ fn a_page_without_results_is_still_a_page() {
     let mut report = report();
     report.sections.clear();
     let page = index(&report);
-    for there in [
-        "Nothing was left out.",
-        "<h2 id=\"provenance\">",
-        "Synthetic participants.",
-    ] {
+    for there in ["Nothing was left out.", "<h2 id=\"provenance\">", "Synthetic participants."] {
         assert!(page.contains(there), "{there}");
     }
 }
@@ -112,22 +97,12 @@ fn a_page_without_results_is_still_a_page() {
 fn a_nasty_name_stays_a_name() {
     let mut report = report();
     report.live.push(space(2, 2));
-    report.exclusions.push(Exclusion {
-        who: NASTY.into(),
-        what: NASTY.into(),
-        why: NASTY.into(),
+    report.exclusions.push(Exclusion { who: NASTY.into(), what: NASTY.into(), why: NASTY.into() });
+    report.methods.files.push(maveric_report::html::ParameterFile {
+        path: NASTY.into(),
+        text: format!("{NASTY}\n\n{NASTY}"),
     });
-    report
-        .methods
-        .files
-        .push(maveric_report::html::ParameterFile {
-            path: NASTY.into(),
-            text: format!("{NASTY}\n\n{NASTY}"),
-        });
-    report
-        .provenance
-        .parameters
-        .push((NASTY.into(), NASTY.into()));
+    report.provenance.parameters.push((NASTY.into(), NASTY.into()));
     let page = index(&report);
     assert!(!page.contains("<script>alert") && !page.contains("<b>&"));
     assert!(page.contains("<bdi>&lt;/script&gt;&lt;script&gt;alert(1)"));
@@ -143,9 +118,7 @@ fn ten_thousand_people_make_a_page_of_bounded_size() {
         name: "people".into(),
         title: "People".into(),
         columns: vec![Column::left("Who"), Column::right("Value")],
-        rows: (0..10_000)
-            .map(|i| vec![Cell::text(format!("P{i}")), Cell::count(i)])
-            .collect(),
+        rows: (0..10_000).map(|i| vec![Cell::text(format!("P{i}")), Cell::count(i)]).collect(),
         notes: Vec::new(),
         data: None,
     });
@@ -158,14 +131,8 @@ fn ten_thousand_people_make_a_page_of_bounded_size() {
     );
     assert!(page.contains("9000 further training drives and 9000 further participants"));
     assert!(page.contains("9950 further warnings"));
-    let csv = files
-        .iter()
-        .find(|f| f.path == "tables/people.csv")
-        .unwrap();
-    assert_eq!(
-        std::str::from_utf8(&csv.bytes).unwrap().lines().count(),
-        10_001
-    );
+    let csv = files.iter().find(|f| f.path == "tables/people.csv").unwrap();
+    assert_eq!(std::str::from_utf8(&csv.bytes).unwrap().lines().count(), 10_001);
 }
 
 #[test]
@@ -188,10 +155,7 @@ fn what_has_nothing_to_show_or_no_figure_is_refused() {
     empty.live.push(space(0, 0));
     assert!(matches!(render(&empty), Err(ReportError::Live { .. })));
     let mut lost = report();
-    lost.live.push(Live {
-        below: "nowhere".into(),
-        ..space(1, 1)
-    });
+    lost.live.push(Live { below: "nowhere".into(), ..space(1, 1) });
     assert!(matches!(render(&lost), Err(ReportError::Live { .. })));
 }
 
@@ -199,21 +163,12 @@ fn what_has_nothing_to_show_or_no_figure_is_refused() {
 fn the_ledger_links_to_what_the_page_has_and_to_nothing_else() {
     let mut report = report();
     let claims = load(maveric_data::CLAIMS).unwrap();
-    let results = BTreeMap::from([
-        ("scenario.lanes".to_owned(), 2.0),
-        ("line.adb.r".to_owned(), 0.9),
-    ]);
+    let results =
+        BTreeMap::from([("scenario.lanes".to_owned(), 2.0), ("line.adb.r".to_owned(), 0.9)]);
     let mut rows = join(&claims, &results).unwrap();
     for row in rows.iter_mut().filter(|row| row.ours.is_some()) {
-        let shown = if row.claim.id == "lanes" {
-            "figure-domain"
-        } else {
-            "figure-lost"
-        };
-        row.made = Some(Made {
-            stage: "stats".into(),
-            shown_in: Some(shown.into()),
-        });
+        let shown = if row.claim.id == "lanes" { "figure-domain" } else { "figure-lost" };
+        row.made = Some(Made { stage: "stats".into(), shown_in: Some(shown.into()) });
     }
     report.ledger = Some(rows);
     let page = index(&report);

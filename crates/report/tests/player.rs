@@ -1,8 +1,5 @@
 //! The watch player: what goes in comes out, and nothing else does.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a helper of a test stops at the first surprise"
-)]
+#![expect(clippy::unwrap_used, reason = "a helper of a test stops at the first surprise")]
 
 use base64::Engine as _;
 use maveric_domain::{ConditionId, drive::Direction};
@@ -29,9 +26,7 @@ fn track(id: u32, first_row: usize, rows: usize, from_m: f64, mps: f64) -> Track
         length_m: 4.7,
         width_m: 1.9,
         first_row,
-        x_m: (0..rows)
-            .map(|row| from_m + mps * at(row) + 0.7 * at(row).sin())
-            .collect(),
+        x_m: (0..rows).map(|row| from_m + mps * at(row) + 0.7 * at(row).sin()).collect(),
         y_m: (0..rows).map(|row| 1.8 * (0.2 * at(row)).cos()).collect(),
     }
 }
@@ -41,13 +36,7 @@ fn drive(rows: usize, cars: u32) -> PlayerDrive {
     let others: Vec<Track> = (0..cars)
         .map(|id| {
             let first = (rows / 3).min(id as usize * 7);
-            track(
-                id + 1,
-                first,
-                rows - first,
-                60.0 - 30.0 * f64::from(id),
-                25.0,
-            )
+            track(id + 1, first, rows - first, 60.0 - 30.0 * f64::from(id), 25.0)
         })
         .collect();
     PlayerDrive {
@@ -68,29 +57,15 @@ fn drive(rows: usize, cars: u32) -> PlayerDrive {
         reference: vec![Some(1); rows],
         others: others
             .into_iter()
-            .map(|car| Track {
-                x_m: car.x_m.iter().map(|x| x + 1234.567).collect(),
-                ..car
-            })
+            .map(|car| Track { x_m: car.x_m.iter().map(|x| x + 1234.567).collect(), ..car })
             .collect(),
-        lane_changes: vec![ChangeSpan {
-            start_s: 3.0,
-            end_s: 7.0,
-            direction: Direction::Right,
-        }],
-        interventions: Some(vec![InterventionSpan {
-            start_s: 9.0,
-            end_s: 9.5,
-        }]),
+        lane_changes: vec![ChangeSpan { start_s: 3.0, end_s: 7.0, direction: Direction::Right }],
+        interventions: Some(vec![InterventionSpan { start_s: 9.0, end_s: 9.5 }]),
     }
 }
 
 fn watch(drives: Vec<PlayerDrive>) -> WatchPlayer {
-    WatchPlayer {
-        name: "watch".into(),
-        title: "Drives of P07".into(),
-        drives,
-    }
+    WatchPlayer { name: "watch".into(), title: "Drives of P07".into(), drives }
 }
 
 fn html(drives: Vec<PlayerDrive>) -> String {
@@ -111,9 +86,7 @@ impl Reader {
     fn new(drive: &Value) -> Self {
         let text = drive["bytes"].as_str().unwrap();
         let bytes = base64::engine::general_purpose::STANDARD.decode(text);
-        Self {
-            bytes: bytes.unwrap().into_iter(),
-        }
+        Self { bytes: bytes.unwrap().into_iter() }
     }
 
     fn next(&mut self) -> i64 {
@@ -149,10 +122,7 @@ fn close(found: &[f64], expected: impl Iterator<Item = f64>, quantum: f64) {
     let expected: Vec<f64> = expected.collect();
     assert_eq!(found.len(), expected.len());
     for (i, (f, e)) in found.iter().zip(&expected).enumerate() {
-        assert!(
-            (f - e).abs() <= 0.5 * quantum + 1e-6,
-            "sample {i}: {f} and {e}"
-        );
+        assert!((f - e).abs() <= 0.5 * quantum + 1e-6, "sample {i}: {f} and {e}");
     }
 }
 
@@ -179,17 +149,9 @@ fn positions_speeds_and_gaps_come_back_within_their_quantum() {
         POSITION_QUANTUM_M,
     );
     let y = thinned(&drive.ego.y_m);
-    close(
-        &reader.column(samples, POSITION_QUANTUM_M, 1),
-        y.into_iter(),
-        POSITION_QUANTUM_M,
-    );
+    close(&reader.column(samples, POSITION_QUANTUM_M, 1), y.into_iter(), POSITION_QUANTUM_M);
     let speed = thinned(&drive.speed_mps);
-    close(
-        &reader.column(samples, SPEED_QUANTUM_MPS, 1),
-        speed.into_iter(),
-        SPEED_QUANTUM_MPS,
-    );
+    close(&reader.column(samples, SPEED_QUANTUM_MPS, 1), speed.into_iter(), SPEED_QUANTUM_MPS);
     let none = -32_768.0 * GAP_QUANTUM_M;
     let gap = drive.gap_m.iter().step_by(every);
     close(
@@ -276,9 +238,7 @@ fn the_page_needs_nothing_from_outside_and_says_who_is_made_up() {
         &[("Version".into(), "1".into())],
     )
     .unwrap();
-    for outside in [
-        "http:", "https:", "src=", "@import", "//www", "fetch(", "eval(",
-    ] {
+    for outside in ["http:", "https:", "src=", "@import", "//www", "fetch(", "eval("] {
         assert!(!page.contains(outside), "{outside}");
     }
     assert!(page.contains("default-src 'none'"));
@@ -316,11 +276,7 @@ fn a_curved_road_travels_along() {
         let angle = f64::from(i) * 10.0 / radius;
         (radius * angle.sin(), radius * (1.0 - angle.cos()))
     };
-    let line = CentreLine {
-        start_m: 1000.0,
-        step_m: 10.0,
-        map_m: (0..100).map(place).collect(),
-    };
+    let line = CentreLine { start_m: 1000.0, step_m: 10.0, map_m: (0..100).map(place).collect() };
     let mut curved = drive(400, 1);
     curved.centre_line = Some(line);
     let html = html(vec![curved]);
@@ -366,11 +322,7 @@ fn what_cannot_be_shown_is_refused_by_name() {
     let error = refused(|w| w.name = "Drives of P07".into());
     assert!(matches!(error, ReportError::BadName { .. }));
     let error = refused(|w| w.drives[0].others[0].y_m[3] = f64::NAN);
-    assert!(
-        error
-            .to_string()
-            .contains("y_m of vehicle 1 of drive Mimic")
-    );
+    assert!(error.to_string().contains("y_m of vehicle 1 of drive Mimic"));
     let error = refused(|w| w.drives[0].speed_mps.truncate(99));
     assert!(error.to_string().contains("speed_mps of drive Mimic"));
     let error = refused(|w| w.drives[0].time_s[50] = 0.0);
@@ -396,8 +348,5 @@ fn a_car_that_is_passed_in_the_other_lane_is_not_ahead() {
     };
     assert!(shown(0.0).contains("7 m to the car ahead"));
     let passing = shown(3.66);
-    assert!(
-        passing.contains("7 m to the car in the other lane"),
-        "{passing}"
-    );
+    assert!(passing.contains("7 m to the car in the other lane"), "{passing}");
 }

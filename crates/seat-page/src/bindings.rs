@@ -41,9 +41,7 @@ impl PageModel {
     /// Reads a model file.
     #[wasm_bindgen(constructor)]
     pub fn new(bytes: &[u8]) -> Result<PageModel, String> {
-        model_file::from_bytes(bytes)
-            .map(|m| Self(Rc::new(m)))
-            .map_err(text_of)
+        model_file::from_bytes(bytes).map(|m| Self(Rc::new(m))).map_err(text_of)
     }
 }
 
@@ -95,9 +93,8 @@ impl PageDrive {
         let scenario = scenario(json, seconds)?;
         let record = Record::from_lines(lines).map_err(text_of)?;
         let given = record.held();
-        let mut shown: Vec<Input> = given
-            .flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize))
-            .collect();
+        let mut shown: Vec<Input> =
+            given.flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize)).collect();
         shown.reverse();
         let drive = SeatDrive::shown(scenario, seed.parse().map_err(text_of)?).map_err(text_of)?;
         Ok(Self {
@@ -132,11 +129,7 @@ impl PageDrive {
         let style = (serde_json::from_str(style).map_err(text_of)?, points);
         let rider =
             Rider::new(Rc::clone(&model), embedding.clone(), style, given).map_err(text_of)?;
-        let dial = Dial {
-            points: rider.dial(),
-            own: embedding,
-            model,
-        };
+        let dial = Dial { points: rider.dial(), own: embedding, model };
         let controllers: &'static ControllerSettings = Box::leak(Box::new(rider.controllers()));
         let rider: &'static mut Rider = Box::leak(Box::new(rider));
         let seed = seed.parse().map_err(text_of)?;
@@ -168,21 +161,13 @@ impl PageDrive {
             slower: down & 8 != 0,
             emergency: down & 16 != 0,
         };
-        self.drive_on(steps, |keyboard, speed| {
-            keyboard.input(keys, signal(way), speed)
-        })
+        self.drive_on(steps, |keyboard, speed| keyboard.input(keys, signal(way), speed))
     }
 
     /// Drives so many steps by a gamepad's stick and triggers.
     pub fn pad(&mut self, steering: f64, throttle: f64, brake: f64, way: i8, steps: u32) -> bool {
-        let stick = Stick {
-            steering,
-            throttle,
-            brake,
-        };
-        self.drive_on(steps, |keyboard, speed| {
-            keyboard.pad(stick, signal(way), speed)
-        })
+        let stick = Stick { steering, throttle, brake };
+        self.drive_on(steps, |keyboard, speed| keyboard.pad(stick, signal(way), speed))
     }
 
     /// Drives so many steps by a wheel turned so far (rad, left positive) and pedals.
@@ -194,14 +179,8 @@ impl PageDrive {
         way: i8,
         steps: u32,
     ) -> bool {
-        let pedals = Stick {
-            steering: 0.0,
-            throttle,
-            brake,
-        };
-        self.drive_on(steps, |keyboard, _| {
-            keyboard.wheel(turned_rad, pedals, signal(way))
-        })
+        let pedals = Stick { steering: 0.0, throttle, brake };
+        self.drive_on(steps, |keyboard, _| keyboard.wheel(turned_rad, pedals, signal(way)))
     }
 
     /// Rides so many steps. What is shown again is over where it was.
@@ -316,13 +295,7 @@ impl PageDrive {
         let &[drawn, late, dropped_steps, longest_ms, input_ms] = frames else {
             return Err(format!("{} numbers of pictures, expected 5", frames.len()));
         };
-        let frames = Frames {
-            drawn,
-            late,
-            dropped_steps,
-            longest_ms,
-            input_ms,
-        };
+        let frames = Frames { drawn, late, dropped_steps, longest_ms, input_ms };
         serde_json::to_string(&self.drive.chunk(frames)).map_err(text_of)
     }
 

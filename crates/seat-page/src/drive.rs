@@ -74,13 +74,7 @@ impl<'a> SeatDrive<'a> {
     /// [`SeatPageError::Simulator`] if the scenario cannot be driven.
     pub fn shown(scenario: &'a Scenario, seed: u64) -> Result<Self, SeatPageError> {
         let session = Session::new(scenario, Driver::Hands, seed)?;
-        Ok(Self::new(
-            session,
-            scenario,
-            seed,
-            DrivenBy::Automated,
-            None,
-        ))
+        Ok(Self::new(session, scenario, seed, DrivenBy::Automated, None))
     }
 
     /// Lets `planner` drive.
@@ -95,13 +89,7 @@ impl<'a> SeatDrive<'a> {
     ) -> Result<Self, SeatPageError> {
         let session = Session::new(scenario, Driver::Automated(planner, controllers), seed)?;
         let kept = Some(controllers.clone());
-        Ok(Self::new(
-            session,
-            scenario,
-            seed,
-            DrivenBy::Automated,
-            kept,
-        ))
+        Ok(Self::new(session, scenario, seed, DrivenBy::Automated, kept))
     }
 
     fn new(
@@ -141,11 +129,7 @@ impl<'a> SeatDrive<'a> {
 
     /// The record so far: its first line.
     pub fn begun(&self) -> crate::record::Record {
-        crate::record::Record {
-            header: self.header.clone(),
-            chunks: Vec::new(),
-            end: None,
-        }
+        crate::record::Record { header: self.header.clone(), chunks: Vec::new(), end: None }
     }
 
     pub fn session(&self) -> &Session<'a> {
@@ -201,10 +185,7 @@ impl<'a> SeatDrive<'a> {
         self.rows = row;
         match self.asked.last_mut() {
             Some(last) if last.setpoints == decided.asked => last.rows += 1,
-            _ => self.asked.push(Asked {
-                rows: 1,
-                setpoints: decided.asked,
-            }),
+            _ => self.asked.push(Asked { rows: 1, setpoints: decided.asked }),
         }
     }
 
@@ -236,10 +217,7 @@ impl<'a> SeatDrive<'a> {
     /// # Errors
     /// [`SeatPageError::Simulator`] if fewer than two rows were driven.
     pub fn finish(self) -> Result<Driven, SeatPageError> {
-        let end = End {
-            end_tick: self.tick,
-            states: self.digest.to_string(),
-        };
+        let end = End { end_tick: self.tick, states: self.digest.to_string() };
         let rollout = self.session.finish()?;
         Ok(Driven { rollout, end })
     }

@@ -87,19 +87,12 @@ mod tests {
 
     #[test]
     fn hands_are_kept_to_a_part_in_ten_thousand_and_within_their_ways() {
-        let hands = Hands {
-            steering: -0.012_34,
-            throttle: 0.567_8,
-            brake: 2.0,
-        };
+        let hands = Hands { steering: -0.012_34, throttle: 0.567_8, brake: 2.0 };
         let kept = Input::new(hands, Signal::Left).hands();
         assert!((kept.steering - hands.steering).abs() < 2e-5);
         assert!((kept.throttle - hands.throttle).abs() < 1e-4);
         assert!((kept.brake - 1.0).abs() < 1e-12);
-        let nothing = Hands {
-            steering: f64::NAN,
-            ..Hands::default()
-        };
+        let nothing = Hands { steering: f64::NAN, ..Hands::default() };
         assert_eq!(Input::new(nothing, Signal::Off), Input::default());
     }
 }

@@ -107,11 +107,7 @@ impl Keyboard {
             (false, true) => KEY_BRAKE,
             (false, false) => 0.0,
         };
-        let press = if keys.emergency {
-            LET_GO_PER_S
-        } else {
-            BRAKE_PER_S
-        };
+        let press = if keys.emergency { LET_GO_PER_S } else { BRAKE_PER_S };
         self.brake += (brake - self.brake).clamp(-fall, press * STEP_S);
         let hands = Hands {
             steering: self.steering_rad / self.limit_rad,

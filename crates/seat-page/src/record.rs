@@ -50,12 +50,7 @@ type HeldRow = (u32, i16, u16, u16, i8);
 impl TryFrom<HeldRow> for Held {
     type Error = String;
     fn try_from((steps, steering, throttle, brake, signal): HeldRow) -> Result<Self, String> {
-        let input = Input {
-            steering,
-            throttle,
-            brake,
-            signal: signal.try_into()?,
-        };
+        let input = Input { steering, throttle, brake, signal: signal.try_into()? };
         if input.possible() {
             Ok(Self { steps, input })
         } else {
@@ -100,14 +95,7 @@ impl TryFrom<AskedRow> for Asked {
         let wish = *WISHES
             .get(usize::from(wish))
             .ok_or_else(|| format!("wish {wish}, expected 0 to 4"))?;
-        Ok(Self {
-            rows,
-            setpoints: Setpoints {
-                speed_mps,
-                following_distance_m,
-                wish,
-            },
-        })
+        Ok(Self { rows, setpoints: Setpoints { speed_mps, following_distance_m, wish } })
     }
 }
 
@@ -219,16 +207,9 @@ impl Record {
         };
         if header.maveric_seat_drive != Header::VERSION {
             let version = header.maveric_seat_drive;
-            return Err(bad(
-                1,
-                format!("version {version}, expected {}", Header::VERSION),
-            ));
+            return Err(bad(1, format!("version {version}, expected {}", Header::VERSION)));
         }
-        let mut record = Self {
-            header,
-            chunks: Vec::new(),
-            end: None,
-        };
+        let mut record = Self { header, chunks: Vec::new(), end: None };
         let mut next_tick = 0;
         for (line, text) in (2..).zip(&lines[1..]) {
             if record.end.is_some() {
@@ -250,9 +231,7 @@ impl Record {
                     expected: next_tick,
                 });
             }
-            chunk
-                .check(record.header.holds_inputs())
-                .map_err(|problem| bad(line, problem))?;
+            chunk.check(record.header.holds_inputs()).map_err(|problem| bad(line, problem))?;
             next_tick = next_tick.saturating_add(chunk.ticks);
             record.chunks.push(chunk);
         }
@@ -264,9 +243,7 @@ impl Record {
     /// # Errors
     /// [`SeatPageError::Record`] if a number in it is none.
     pub fn to_lines(&self) -> Result<String, SeatPageError> {
-        let bad = |e: serde_json::Error| SeatPageError::Record {
-            problem: e.to_string(),
-        };
+        let bad = |e: serde_json::Error| SeatPageError::Record { problem: e.to_string() };
         let mut lines = serde_json::to_string(&self.header).map_err(bad)? + "\n";
         for chunk in &self.chunks {
             lines += &(serde_json::to_string(chunk).map_err(bad)? + "\n");
@@ -279,16 +256,13 @@ impl Record {
 
     /// What hands and feet did, one after the other.
     pub fn held(&self) -> impl Iterator<Item = Held> + '_ {
-        self.chunks
-            .iter()
-            .flat_map(|chunk| chunk.held.iter().copied())
+        self.chunks.iter().flat_map(|chunk| chunk.held.iter().copied())
     }
 
     /// Whether the car was given the same inputs as in `driven`, as far as this one goes; where `driven` went on, this was left before its end.
     pub fn shows(&self, driven: &Self) -> bool {
         let [ours, theirs] = [self, driven].map(|r| {
-            r.held()
-                .flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize))
+            r.held().flat_map(|held| std::iter::repeat_n(held.input, held.steps as usize))
         });
         self.header.holds_inputs()
             && self.ticks() <= driven.ticks()

@@ -57,15 +57,9 @@ impl<I: Iterator<Item = Asked>> Planner for AskedAgain<I> {
 /// that is longer than its scenario; [`SeatPageError::Simulator`].
 pub fn replay(record: &Record) -> Result<Replayed, SeatPageError> {
     let header = &record.header;
-    let problem = |problem: &str| SeatPageError::Record {
-        problem: problem.to_owned(),
-    };
+    let problem = |problem: &str| SeatPageError::Record { problem: problem.to_owned() };
     let mut planner = AskedAgain {
-        asked: record
-            .chunks
-            .iter()
-            .flat_map(|c| c.asked.iter().copied())
-            .peekable(),
+        asked: record.chunks.iter().flat_map(|c| c.asked.iter().copied()).peekable(),
         given: 0,
         last: Setpoints {
             speed_mps: 0.0,
@@ -95,11 +89,7 @@ pub fn replay(record: &Record) -> Result<Replayed, SeatPageError> {
     if planner.short {
         return Err(problem("set-points end before the ride does"));
     }
-    Ok(Replayed {
-        rollout: driven.rollout,
-        end: driven.end,
-        recorded: record.end.clone(),
-    })
+    Ok(Replayed { rollout: driven.rollout, end: driven.end, recorded: record.end.clone() })
 }
 
 fn again(drive: &mut SeatDrive<'_>, record: &Record) -> Result<(), SeatPageError> {

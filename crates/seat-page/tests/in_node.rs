@@ -27,13 +27,7 @@ fn pressed() -> Vec<(u8, i8, u32)> {
     let mut pressed = vec![(4, 0, 700)];
     for _ in 0..3 {
         pressed.extend([(1, 1, 55), (0, 1, 120), (2, 0, 56), (0, 0, 800)]);
-        pressed.extend([
-            (2, -1, 55),
-            (0, -1, 120),
-            (1, 0, 56),
-            (8, 0, 130),
-            (4, 0, 700),
-        ]);
+        pressed.extend([(2, -1, 55), (0, -1, 120), (1, 0, 56), (8, 0, 130), (4, 0, 700)]);
     }
     let driven: u32 = pressed.iter().map(|p| p.2).sum();
     pressed.push((0, 0, 9_001 - driven));

@@ -48,11 +48,7 @@ fn by_keys(scenario: &Scenario, seed: u64) -> (Record, Driven) {
         let lane = f64::from(u8::from((8.0..16.0).contains(&seconds)));
         let keys = pressed(&drive, lane, 27.0);
         let speed_mps = drive.session().car().speed_mps;
-        let signal = if lane > 0.5 {
-            Signal::Left
-        } else {
-            Signal::Off
-        };
+        let signal = if lane > 0.5 { Signal::Left } else { Signal::Off };
         let goes_on = drive.tick(keyboard.input(keys, signal, speed_mps));
         if !goes_on || drive.ticks().is_multiple_of(100) {
             record.chunks.push(drive.chunk(Frames::default()));
@@ -125,11 +121,8 @@ fn a_ride_is_repeated_from_what_was_asked_without_its_model() {
     let read = Record::from_lines(&record.to_lines().unwrap()).unwrap();
     assert!(replay(&read).unwrap().same());
     // The dial made it faster: what was asked did not stay.
-    let asked: Vec<f64> = read
-        .chunks
-        .iter()
-        .flat_map(|c| c.asked.iter().map(|a| a.setpoints.speed_mps))
-        .collect();
+    let asked: Vec<f64> =
+        read.chunks.iter().flat_map(|c| c.asked.iter().map(|a| a.setpoints.speed_mps)).collect();
     assert!(asked.last().unwrap() > &(asked[0] + 0.5), "{asked:?}");
 }
 
@@ -145,10 +138,7 @@ fn a_drive_cut_short_drives_again_as_far_as_it_was_kept() {
     let again = replay(&read).unwrap();
     let rows = again.rollout.recording.rows();
     assert_eq!(rows, 220);
-    assert_eq!(
-        again.rollout.recording.ego().y_m,
-        driven.rollout.recording.ego().y_m[..rows]
-    );
+    assert_eq!(again.rollout.recording.ego().y_m, driven.rollout.recording.ego().y_m[..rows]);
 }
 
 #[test]
@@ -169,11 +159,7 @@ fn records_that_cannot_be_are_refused_with_the_line() {
     let twice = [cut[0], cut[1], cut[1]].concat();
     assert!(said(&twice).starts_with("line 3: begins at step 0, expected 100"));
     let wild = cut[0].to_owned() + "{\"from_tick\":0,\"ticks\":1,\"held\":[[1,32000,0,0,0]]}\n";
-    assert!(
-        said(&wild).contains("expected -30000 to 30000"),
-        "{}",
-        said(&wild)
-    );
+    assert!(said(&wild).contains("expected -30000 to 30000"), "{}", said(&wild));
     let few = cut[0].to_owned() + "{\"from_tick\":0,\"ticks\":9,\"held\":[[1,0,0,0,0]]}\n";
     assert!(said(&few).contains("inputs for 1 steps, expected 9"));
     let long = cut[0].to_owned() + "{\"from_tick\":0,\"ticks\":900,\"held\":[[900,0,0,0,0]]}\n";
@@ -207,10 +193,7 @@ fn a_fast_hand_is_learned_as_faster_than_a_slow_one() {
     let [slow, fast] =
         [22.0, 33.0].map(|speed| fit(&model, &driven_at(speed), DrivenBy::Human).unwrap());
     assert!(slow.readings > 0 && fast.readings > 0);
-    assert!(
-        fast.embedding[0] > slow.embedding[0] + 0.5,
-        "{slow:?} {fast:?}"
-    );
+    assert!(fast.embedding[0] > slow.embedding[0] + 0.5, "{slow:?} {fast:?}");
 }
 
 #[test]
@@ -234,10 +217,7 @@ fn a_car_off_the_road_slides_along_the_barrier_and_is_counted_once() {
     let scenario = scenario(10.0);
     let mut drive = SeatDrive::by_hand(&scenario, 1, DrivenBy::Scripted).unwrap();
     let mut keyboard = Keyboard::new(&scenario);
-    let keys = Keys {
-        right: true,
-        ..Keys::default()
-    };
+    let keys = Keys { right: true, ..Keys::default() };
     loop {
         let now = drive.session().car().speed_mps;
         if !drive.tick(keyboard.input(keys, Signal::Off, now)) {
@@ -245,14 +225,7 @@ fn a_car_off_the_road_slides_along_the_barrier_and_is_counted_once() {
         }
     }
     let driven = drive.finish().unwrap();
-    let lowest = driven
-        .rollout
-        .recording
-        .ego()
-        .y_m
-        .iter()
-        .copied()
-        .fold(0.0, f64::min);
+    let lowest = driven.rollout.recording.ego().y_m.iter().copied().fold(0.0, f64::min);
     // Half a lane and a shoulder of 3 m, less half a car.
     assert!((lowest + 3.88).abs() < 0.01, "{lowest}");
     assert!(driven.rollout.report.barrier_touches >= 1);
@@ -292,10 +265,7 @@ fn hands_off_the_car_leaves_its_lane_within_seconds_and_nothing_is_practised() {
     assert!((6.3..6.5).contains(&left_s), "{left_s}");
     assert!(kept_s.abs() < 1e-12, "{kept_s}");
     // A tap at the start, and then nothing, is no practice either.
-    let taps = |drive: &SeatDrive<'_>| Keys {
-        left: drive.ticks() < 10,
-        ..Keys::default()
-    };
+    let taps = |drive: &SeatDrive<'_>| Keys { left: drive.ticks() < 10, ..Keys::default() };
     let (kept_s, _, _) = practises(&bending(300.0), taps);
     assert!((0.0..15.0).contains(&kept_s), "{kept_s}");
     // On a straight road the car stays where it is, and that is nobody's doing.

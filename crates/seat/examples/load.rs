@@ -48,12 +48,8 @@ fn main() -> Result<(), Failed> {
     let (people, seconds, pages) = (number(1_000)?, number(30)?, number(0)?);
     let folder = tempfile::tempdir()?;
     let seat = Arc::new(Seat::open(&folder.path().join("seat.db"), settings()?)?);
-    let links: Vec<String> = (0..people)
-        .map(|_| seat.let_in())
-        .collect::<Result<_, _>>()?;
-    let runtime = tokio::runtime::Builder::new_multi_thread()
-        .enable_all()
-        .build()?;
+    let links: Vec<String> = (0..people).map(|_| seat.let_in()).collect::<Result<_, _>>()?;
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let any = SocketAddr::from(([127, 0, 0, 1], 0));
     let serving = runtime.block_on(serve(Arc::clone(&seat), any, Wire::Here, |_| {}))?;
     let address = serving.address;
@@ -98,10 +94,7 @@ fn main() -> Result<(), Failed> {
         WATCHED.load(Ordering::Relaxed) as f64 / 1e3 / took_s,
         100.0 * needed_s / took_s
     );
-    println!(
-        "state: {} bytes",
-        Path::new(&folder.path().join("seat.db")).metadata()?.len()
-    );
+    println!("state: {} bytes", Path::new(&folder.path().join("seat.db")).metadata()?.len());
     runtime.shutdown_background();
     Ok(())
 }
@@ -112,10 +105,7 @@ fn settings() -> Result<SeatSettings, Failed> {
         scales: Vec::new(),
         // As long as the steps of a whole study are.
         in_others: Vec::new(),
-        texts: Texts {
-            thanks: Some("Thanks. ".repeat(2_500)),
-            ..Texts::default()
-        },
+        texts: Texts { thanks: Some("Thanks. ".repeat(2_500)), ..Texts::default() },
         scenario: Scenario::paper(),
         model: None,
         made_up_model: false,
@@ -151,9 +141,7 @@ fn watch(address: SocketAddr) -> Result<(), Failed> {
     let read = stream.read(&mut part)?;
     let reply = String::from_utf8_lossy(&part[..read]).into_owned();
     let cookie = reply.lines().find_map(|l| l.strip_prefix("set-cookie: "));
-    let cookie = cookie
-        .and_then(|c| c.split(';').next())
-        .ok_or("no cookie")?;
+    let cookie = cookie.and_then(|c| c.split(';').next()).ok_or("no cookie")?;
     let live = format!("GET /lab/live HTTP/1.1\r\nHost: {address}\r\nCookie: {cookie}\r\n\r\n");
     stream.write_all(live.as_bytes())?;
     loop {
@@ -176,29 +164,12 @@ fn drive(
     stream.set_nodelay(true)?;
     let state = ask(&mut stream, address, "GET", &format!("/api/{link}"), "")?;
     let state: Value = serde_json::from_str(&state)?;
-    let seed = state["steps"][0]["seed"]
-        .as_str()
-        .ok_or("no seed")?
-        .parse()?;
+    let seed = state["steps"][0]["seed"].as_str().ok_or("no seed")?.parse()?;
     let scenario = Scenario::paper().with_duration(Seconds(7_200.0))?;
-    let header = SeatDrive::by_hand(&scenario, seed, DrivenBy::Scripted)?
-        .begun()
-        .header;
-    ask(
-        &mut stream,
-        address,
-        "POST",
-        &format!("/api/{link}/open/{TAB}"),
-        "null",
-    )?;
+    let header = SeatDrive::by_hand(&scenario, seed, DrivenBy::Scripted)?.begun().header;
+    ask(&mut stream, address, "POST", &format!("/api/{link}/open/{TAB}"), "null")?;
     let path = format!("/api/{link}/drive/0/1/{TAB}");
-    ask(
-        &mut stream,
-        address,
-        "POST",
-        &path,
-        &serde_json::to_string(&header)?,
-    )?;
+    ask(&mut stream, address, "POST", &path, &serde_json::to_string(&header)?)?;
     thread::sleep(wait);
     let begun = Instant::now();
     let (mut took, mut kept) = (Vec::new(), 0);
@@ -216,23 +187,14 @@ fn drive(
 fn piece(second: u64) -> Chunk {
     let held = (0..TICKS).map(|tick| {
         let throttle = (second * TICKS + tick) as f64 % 977.0 / 977.0;
-        let hands = Hands {
-            throttle,
-            ..Hands::default()
-        };
-        Held {
-            steps: 1,
-            input: Input::new(hands, Signal::Off),
-        }
+        let hands = Hands { throttle, ..Hands::default() };
+        Held { steps: 1, input: Input::new(hands, Signal::Off) }
     });
     Chunk {
         from_tick: second * TICKS,
         ticks: TICKS,
         held: held.collect(),
-        frames: Frames {
-            drawn: 60,
-            ..Frames::default()
-        },
+        frames: Frames { drawn: 60, ..Frames::default() },
         ..Chunk::default()
     }
 }

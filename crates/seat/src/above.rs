@@ -29,9 +29,7 @@ pub(crate) fn picture(
     let recording = &again.rollout.recording;
     let (road, ego) = (recording.road(), recording.ego());
     let rows = recording.rows();
-    let nothing = || SeatPageError::Record {
-        problem: "nothing was driven yet".to_owned(),
-    };
+    let nothing = || SeatPageError::Record { problem: "nothing was driven yet".to_owned() };
     let scene = rows.checked_sub(1).and_then(|row| recording.scene(row));
     let scene = scene.ok_or_else(nothing)?;
     let width = ACROSS * road.lane_width_m * f64::from(road.lanes);
@@ -65,13 +63,7 @@ pub(crate) fn picture(
         car(v.x_m, v.y_m, v.length_m, "#d6d7d9", &title);
     }
     let title = speed(scene.ego.speed_mps);
-    car(
-        scene.ego.x_m,
-        scene.ego.y_m,
-        scene.ego.length_m,
-        "#4aa3ff",
-        &title,
-    );
+    car(scene.ego.x_m, scene.ego.y_m, scene.ego.length_m, "#4aa3ff", &title);
     let highest = ego.speed_mps.iter().copied().fold(10.0, f64::max);
     let every = rows.div_ceil(MOST_POINTS).max(1);
     let points: Vec<String> = (0..rows)
@@ -122,10 +114,7 @@ mod tests {
         for (unit, factor) in [(SpeedUnit::Kmh, 3.6), (SpeedUnit::Mph, 2.236_94)] {
             let drawn = picture(&lines, &Words::default(), unit).unwrap();
             let now = format!("; {:.0} {} now", mps * factor, unit.name());
-            assert!(
-                drawn.contains(&now) && !drawn.contains("m/s"),
-                "{now}: {drawn}"
-            );
+            assert!(drawn.contains(&now) && !drawn.contains("m/s"), "{now}: {drawn}");
         }
     }
 }

@@ -39,9 +39,7 @@ fn through(person: &Person) -> bool {
 /// beside too few.
 fn beside(person: &Person, everybody: &[Person]) -> Option<(Option<f64>, Vec<f64>)> {
     let own_score = score(person).filter(|_| through(person))?;
-    let others = everybody
-        .iter()
-        .filter(|p| through(p) && p.token != person.token);
+    let others = everybody.iter().filter(|p| through(p) && p.token != person.token);
     let mut others: Vec<f64> = others.filter_map(score).flatten().collect();
     others.sort_by(f64::total_cmp);
     (others.len() >= FEWEST_OTHERS).then_some((own_score, others))
@@ -62,9 +60,7 @@ impl Seat {
         let Some(style) = design.style().filter(|_| design.protocol().show_style) else {
             return Ok(None);
         };
-        let seen = self
-            .store
-            .look(|b| b.everybody().map(|people| self.seen(people)))?;
+        let seen = self.store.look(|b| b.everybody().map(|people| self.seen(people)))?;
         let scores = beside(person, &seen);
         Ok(scores.map(|(own, others)| AmongOthers {
             own,

@@ -21,18 +21,9 @@ const LONGEST_REASON: usize = 200;
 pub(crate) fn routes() -> Router<Shared> {
     Router::new()
         .route("/lab/stop", get(asks_to_stop).post(stop))
-        .route(
-            "/lab/forget/{participant}",
-            get(asks_to_forget).post(forget),
-        )
-        .route(
-            "/lab/exclude/{participant}",
-            get(asks_to_exclude).post(exclude),
-        )
-        .route(
-            "/lab/step/{participant}/{step}",
-            get(asks_to_leave_out).post(leave_out),
-        )
+        .route("/lab/forget/{participant}", get(asks_to_forget).post(forget))
+        .route("/lab/exclude/{participant}", get(asks_to_exclude).post(exclude))
+        .route("/lab/step/{participant}/{step}", get(asks_to_leave_out).post(leave_out))
 }
 
 async fn asks_to_stop(State(shared): State<Shared>) -> Answered<Response> {

@@ -10,36 +10,12 @@ use std::{io::Write as _, sync::LazyLock};
 
 /// Name, kind and bytes of each file.
 const FILES: [(&str, &str, &[u8]); 6] = [
-    (
-        "index.html",
-        "text/html; charset=utf-8",
-        include_bytes!("../page/built/index.html"),
-    ),
-    (
-        "page.css",
-        "text/css; charset=utf-8",
-        include_bytes!("../page/built/page.css"),
-    ),
-    (
-        "page.js",
-        "text/javascript; charset=utf-8",
-        include_bytes!("../page/built/page.js"),
-    ),
-    (
-        "seat.wasm",
-        "application/wasm",
-        include_bytes!("../page/built/seat.wasm"),
-    ),
-    (
-        "sheet.js",
-        "text/javascript; charset=utf-8",
-        include_bytes!("../page/built/sheet.js"),
-    ),
-    (
-        "lab.js",
-        "text/javascript; charset=utf-8",
-        include_bytes!("../page/lab.js"),
-    ),
+    ("index.html", "text/html; charset=utf-8", include_bytes!("../page/built/index.html")),
+    ("page.css", "text/css; charset=utf-8", include_bytes!("../page/built/page.css")),
+    ("page.js", "text/javascript; charset=utf-8", include_bytes!("../page/built/page.js")),
+    ("seat.wasm", "application/wasm", include_bytes!("../page/built/seat.wasm")),
+    ("sheet.js", "text/javascript; charset=utf-8", include_bytes!("../page/built/sheet.js")),
+    ("lab.js", "text/javascript; charset=utf-8", include_bytes!("../page/lab.js")),
 ];
 
 /// Digits of the digest by which the files are named.
@@ -106,9 +82,7 @@ pub(crate) fn answer((version, name): (&str, &str), asked: &HeaderMap) -> Respon
         Some((_, packed)) => {
             let mut response = (headers, packed.as_slice()).into_response();
             let coding = HeaderValue::from_static("gzip");
-            response
-                .headers_mut()
-                .insert(header::CONTENT_ENCODING, coding);
+            response.headers_mut().insert(header::CONTENT_ENCODING, coding);
             response
         }
         None => (headers, *bytes).into_response(),
@@ -117,9 +91,7 @@ pub(crate) fn answer((version, name): (&str, &str), asked: &HeaderMap) -> Respon
 
 fn takes_gzip(headers: &HeaderMap) -> bool {
     let values = headers.get_all(header::ACCEPT_ENCODING).iter();
-    let mut words = values
-        .filter_map(|v| v.to_str().ok())
-        .flat_map(|v| v.split(','));
+    let mut words = values.filter_map(|v| v.to_str().ok()).flat_map(|v| v.split(','));
     words.any(|word| {
         let mut parts = word.split(';').map(str::trim);
         parts.next() == Some("gzip") && !parts.any(|p| p == "q=0" || p == "q=0.0")

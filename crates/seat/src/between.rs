@@ -79,9 +79,7 @@ impl Seat {
             return Err(Refused::NotThis("it is not the day yet".to_owned()));
         };
         match between.late {
-            Some(late) => Ok(self
-                .store
-                .within(|b| b.event(Some(&person.participant), &late))?),
+            Some(late) => Ok(self.store.within(|b| b.event(Some(&person.participant), &late))?),
             None => Ok(()),
         }
     }
@@ -98,10 +96,7 @@ mod tests {
         let second = NonZeroU32::new(2).unwrap();
         let on = |day: &str| Between::new(ended, day.parse().unwrap(), second, [2, 14]);
         let early = on("2026-11-26");
-        assert_eq!(
-            (early.from.as_str(), early.until.as_str()),
-            ("2026-11-27", "2026-12-09")
-        );
+        assert_eq!((early.from.as_str(), early.until.as_str()), ("2026-11-27", "2026-12-09"));
         assert!(!early.open && on("2026-11-27").open);
         assert_eq!(on("2026-12-09").late, None);
         let late = on("2026-12-10").late.unwrap();

@@ -166,9 +166,7 @@ impl Books<'_> {
         step: usize,
     ) -> Result<Option<String>, SeatError> {
         let question = "SELECT body FROM answer WHERE participant = ?1 AND step = ?2";
-        self.row(question, params![participant, whole(step)], |row| {
-            row.get(0)
-        })
+        self.row(question, params![participant, whole(step)], |row| row.get(0))
     }
 
     /// Every sheet of a person, in the order of the steps.
@@ -208,10 +206,7 @@ impl Books<'_> {
     }
 
     pub(crate) fn fit(&self, person: &Person, fit: &str) -> Result<(), SeatError> {
-        self.change(
-            "UPDATE person SET fit = ?2 WHERE token = ?1",
-            [&*person.token, fit],
-        )
+        self.change("UPDATE person SET fit = ?2 WHERE token = ?1", [&*person.token, fit])
     }
 
     /// Keeps a person's steps anew.
@@ -219,10 +214,7 @@ impl Books<'_> {
         self.ask(|c| {
             let steps = serde_json::to_string(steps)
                 .map_err(|e| rusqlite::Error::ToSqlConversionFailure(Box::new(e)))?;
-            c.execute(
-                "UPDATE person SET steps = ?2 WHERE participant = ?1",
-                [participant, &*steps],
-            )
+            c.execute("UPDATE person SET steps = ?2 WHERE participant = ?1", [participant, &*steps])
         })
         .map(drop)
     }
@@ -299,9 +291,6 @@ impl Books<'_> {
     }
 
     pub(crate) fn event(&self, participant: Option<&str>, what: &str) -> Result<(), SeatError> {
-        self.change(
-            "INSERT INTO event VALUES (?1, ?2, ?3)",
-            params![now(), participant, what],
-        )
+        self.change("INSERT INTO event VALUES (?1, ?2, ?3)", params![now(), participant, what])
     }
 }

@@ -69,20 +69,12 @@ impl Books<'_> {
             collected.lent.extend(rows_of(person)?);
         }
         // Whoever is out as a whole has each drive once.
-        let out: BTreeSet<ParticipantId> = stopped
-            .iter()
-            .map(|row: &Stopped| row.participant.clone())
-            .collect();
-        let by_drive = collected
-            .events
-            .iter()
-            .filter(|row| !out.contains(&row.participant));
+        let out: BTreeSet<ParticipantId> =
+            stopped.iter().map(|row: &Stopped| row.participant.clone()).collect();
+        let by_drive = collected.events.iter().filter(|row| !out.contains(&row.participant));
         collected.stopped = by_drive.filter_map(stopped_in).chain(stopped).collect();
-        let known: BTreeSet<&str> = given
-            .iter()
-            .filter(stays)
-            .map(|(person, _)| person.participant.as_str())
-            .collect();
+        let known: BTreeSet<&str> =
+            given.iter().filter(stays).map(|(person, _)| person.participant.as_str()).collect();
         for (given, about, text) in self.all_events()? {
             if about.as_deref().is_some_and(|who| !known.contains(who)) {
                 continue;
@@ -91,12 +83,7 @@ impl Books<'_> {
             collected.notes.push(NoteRow {
                 at: written(given),
                 participant: about.map(ParticipantId::new).transpose()?,
-                by: if note.is_some() {
-                    "experimenter"
-                } else {
-                    "seat"
-                }
-                .to_owned(),
+                by: if note.is_some() { "experimenter" } else { "seat" }.to_owned(),
                 text: note.unwrap_or(&text).to_owned(),
             });
         }
@@ -106,9 +93,7 @@ impl Books<'_> {
     /// Every event of the seat, the oldest first: when, about whom, what.
     fn all_events(&self) -> Result<Vec<(i64, Option<String>, String)>, SeatError> {
         let question = "SELECT given, participant, what FROM event ORDER BY rowid";
-        self.rows(question, [], |row| {
-            Ok((row.get(0)?, row.get(1)?, row.get(2)?))
-        })
+        self.rows(question, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))
     }
 
     fn events_of(
@@ -134,24 +119,14 @@ impl Books<'_> {
         for (step, found) in person.steps.iter().enumerate() {
             let (page, moment) = place(found);
             let row = |what: &str| row_of(step, &page, moment.clone(), what);
-            if let Step::Language {
-                chosen: Some(language),
-                ..
-            } = found
-            {
+            if let Step::Language { chosen: Some(language), .. } = found {
                 events.push(row(language));
             }
             // What was answered during a ride is among what happened in it: nobody was on a page.
             let on_page = |kept: &&KeptSheet| kept.step == step && found.drives().is_none();
             for kept in sheets.iter().filter(on_page) {
                 let sheet = kept.sheet();
-                if let (
-                    Step::Aftercare {
-                        again: Some(asked), ..
-                    },
-                    Some(sheet),
-                ) = (found, &sheet)
-                {
+                if let (Step::Aftercare { again: Some(asked), .. }, Some(sheet)) = (found, &sheet) {
                     let felt = sheet.answers.iter().flatten();
                     events.extend(felt.map(|answer| EventRow {
                         value: Some(f64::from(*answer)),
@@ -161,11 +136,7 @@ impl Books<'_> {
                 events.push(EventRow {
                     value: sheet.as_ref().map(|sheet| sheet.seconds),
                     at: written(kept.given),
-                    ..row(if sheet.is_some_and(|s| s.agreed) {
-                        "agreed"
-                    } else {
-                        "answered"
-                    })
+                    ..row(if sheet.is_some_and(|s| s.agreed) { "agreed" } else { "answered" })
                 });
             }
             self.driven(person, (step, found), &row, events)?;
@@ -214,10 +185,7 @@ impl Books<'_> {
                 ..row(what)
             };
             let (at, lines) = self.noted(who, (step, begun.attempt))?;
-            events.push(EventRow {
-                at: written(at),
-                ..of_drive("begun", 0)
-            });
+            events.push(EventRow { at: written(at), ..of_drive("begun", 0) });
             for line in lines {
                 let chunk = serde_json::from_str::<Chunk>(&line).unwrap_or_default();
                 events.extend(chunk.events.iter().map(|event| EventRow {
@@ -263,10 +231,7 @@ impl Books<'_> {
         found: &Step,
         kept: &str,
     ) -> Result<(), SeatError> {
-        let Step::Aftercare {
-            again: Some(asked), ..
-        } = found
-        else {
+        let Step::Aftercare { again: Some(asked), .. } = found else {
             return Ok(());
         };
         // Only what was checked is kept.
@@ -349,11 +314,9 @@ fn place(step: &Step) -> (String, Option<String>) {
         Step::Break { .. } => ("break".to_owned(), None),
         Step::Controls => ("controls".to_owned(), None),
         Step::Practice { .. } => (PRACTICE.to_owned(), None),
-        Step::Drive { .. } | Step::Ride { .. } | Step::Elsewhere { .. } => (
-            step.ride()
-                .map_or_else(String::new, |ride| ride.to_string()),
-            None,
-        ),
+        Step::Drive { .. } | Step::Ride { .. } | Step::Elsewhere { .. } => {
+            (step.ride().map_or_else(String::new, |ride| ride.to_string()), None)
+        }
         Step::Between { .. } => ("between".to_owned(), None),
         Step::Aftercare { .. } => ("aftercare".to_owned(), None),
         Step::Thanks { .. } => ("thanks".to_owned(), None),

@@ -60,9 +60,7 @@ impl Stage {
     /// It was answered; what was refused before it arrived whole does not count.
     pub(crate) fn waits(&self) {
         let to_waiting = |stage| (stage == ASKING).then_some(WAITING);
-        let _ = self
-            .0
-            .fetch_update(Ordering::Relaxed, Ordering::Relaxed, to_waiting);
+        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, to_waiting);
     }
 
     /// It is being answered without an end.
@@ -168,15 +166,7 @@ pub(crate) async fn accept(listener: TcpListener, wire: Wire, router: Router) {
         });
         let task = task.abort_handle();
         let since = Instant::now();
-        open.insert(
-            id,
-            Open {
-                from,
-                since,
-                stage,
-                task,
-            },
-        );
+        open.insert(id, Open { from, since, stage, task });
     }
 }
 

@@ -12,9 +12,7 @@ use std::collections::BTreeSet;
 fn consent(person: &Person) -> Option<(usize, &str)> {
     let mut steps = person.steps.iter().enumerate();
     steps.find_map(|(at, step)| match step {
-        Step::Text {
-            text, agree: true, ..
-        } => Some((at, text.as_str())),
+        Step::Text { text, agree: true, .. } => Some((at, text.as_str())),
         _ => None,
     })
 }
@@ -82,10 +80,7 @@ impl Books<'_> {
     pub(crate) fn not_agreed(&self) -> Result<Vec<NotAgreed>, SeatError> {
         let question = "SELECT text_sha256, people FROM not_agreed ORDER BY text_sha256";
         self.rows(question, [], |row| {
-            Ok(NotAgreed {
-                text_sha256: row.get(0)?,
-                people: row.get::<_, i64>(1)? as usize,
-            })
+            Ok(NotAgreed { text_sha256: row.get(0)?, people: row.get::<_, i64>(1)? as usize })
         })
     }
 }
@@ -185,14 +180,8 @@ mod tests {
         let store = Store::open(&folder.path().join("seat.db")).unwrap();
         let refuses = |person: &Person| store.within(|b| b.refuse_consent(person)).unwrap();
         let here = person(Some(text(None)));
-        let past = Person {
-            at: 1,
-            ..here.clone()
-        };
-        let over = Person {
-            ended: Some("left".to_owned()),
-            ..here.clone()
-        };
+        let past = Person { at: 1, ..here.clone() };
+        let over = Person { ended: Some("left".to_owned()), ..here.clone() };
         assert!(refuses(&here) && refuses(&here));
         assert!(!refuses(&past) && !refuses(&over) && !refuses(&person(None)));
         let counted = store.look(|b| {

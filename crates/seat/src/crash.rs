@@ -43,9 +43,6 @@ mod tests {
         }
         assert_eq!(named(names, Crash::Ends), Err(Hindrance::NoCrash));
         let shown = in_consent("You drive.\n\n{crash}", &Words::default());
-        assert!(
-            !shown.contains('{') && shown.contains("hits another car"),
-            "{shown}"
-        );
+        assert!(!shown.contains('{') && shown.contains("hits another car"), "{shown}");
     }
 }

@@ -43,12 +43,8 @@ impl Books<'_> {
     /// Why everything that somebody drove is out of the analysis, as it stands in the record; none where it is not.
     pub(crate) fn excluded(&self, participant: &str) -> Result<Option<String>, SeatError> {
         let decided = self.decided(participant)?;
-        let last = decided
-            .into_iter()
-            .rfind(|decided| decided.excludes().is_some());
-        Ok(last
-            .filter(|decided| decided.excludes() == Some(true))
-            .map(|decided| decided.what))
+        let last = decided.into_iter().rfind(|decided| decided.excludes().is_some());
+        Ok(last.filter(|decided| decided.excludes() == Some(true)).map(|decided| decided.what))
     }
 
     /// Whether it was ever decided of somebody that all that they drove is out of the analysis.
@@ -131,11 +127,7 @@ impl Seat {
                 ));
             }
             b.set_steps(&person.participant, &person.steps)?;
-            b.decide(
-                participant,
-                step,
-                &format!("{EXTENDED}{minutes} min: {reason}"),
-            )?;
+            b.decide(participant, step, &format!("{EXTENDED}{minutes} min: {reason}"))?;
             Ok(person)
         })?;
         self.add_link(&person);

@@ -57,18 +57,13 @@ you is a demonstration, not a finding. Nothing that you did left this computer.\
 /// # Errors
 /// [`SeatError::Study`] if the model cannot be trained or kept.
 pub fn settings(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<SeatSettings, SeatError> {
-    let design = Design::from_toml(DESIGN).map_err(|e| SeatError::Protocol {
-        problem: e.to_string(),
-        help: e.suggestion(),
-    })?;
+    let design = Design::from_toml(DESIGN)
+        .map_err(|e| SeatError::Protocol { problem: e.to_string(), help: e.suggestion() })?;
     Ok(SeatSettings {
         design,
         scales: Vec::new(),
         in_others: Vec::new(),
-        texts: Texts {
-            thanks: Some(THANKS.to_owned()),
-            ..Texts::default()
-        },
+        texts: Texts { thanks: Some(THANKS.to_owned()), ..Texts::default() },
         scenario: read_seat_scenario(None)?,
         model: Some(model(cache, jobs, watch)?),
         made_up_model: true,
@@ -98,11 +93,7 @@ fn model(cache: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatErr
 
 fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatError> {
     let folder = work.join("study");
-    let study = Init {
-        folder: folder.clone(),
-        synthetic: true,
-        ..Init::default()
-    };
+    let study = Init { folder: folder.clone(), synthetic: true, ..Init::default() };
     study.run(watch)?;
     let design = Some(folder.join("study.toml"));
     let people = Generate {
@@ -120,12 +111,8 @@ fn train_in(work: &Path, jobs: usize, watch: Watch<'_>) -> Result<Vec<u8>, SeatE
         jobs,
     };
     people.run(watch)?;
-    let drives = Ingest {
-        design: design.clone(),
-        out: folder.join("drives"),
-        jobs,
-        ..Ingest::default()
-    };
+    let drives =
+        Ingest { design: design.clone(), out: folder.join("drives"), jobs, ..Ingest::default() };
     drives.run(watch)?;
     let study = maveric_study::DesignFile::find(design.as_deref())?;
     let files = study.design.files();
@@ -172,19 +159,13 @@ mod tests {
     #[test]
     fn the_demonstration_is_a_study_of_a_drive_and_two_rides() {
         let design = Design::from_toml(DESIGN).unwrap();
-        let riding = Riding {
-            order: &[0, 1],
-            styles: &Styles::new(),
-            range: ScoreRange::ADB,
-        };
+        let riding = Riding { order: &[0, 1], styles: &Styles::new(), range: ScoreRange::ADB };
         let steps = of_design(&design, &[], &Texts::default(), "P001", Some(riding)).unwrap();
         let [
             Step::Controls,
             Step::Drive { seconds, .. },
             Step::Ride { turns: None, .. },
-            Step::Ride {
-                turns: Some(5.0), ..
-            },
+            Step::Ride { turns: Some(5.0), .. },
             Step::Aftercare { .. },
             Step::Thanks { .. },
         ] = &steps[..]

@@ -22,11 +22,7 @@ pub(crate) fn left(_: &Path) -> Option<u64> {
 /// Bytes in GB, to a tenth below 100.
 pub(crate) fn in_gb(bytes: u64) -> String {
     let gb = bytes as f64 / 1e9;
-    if gb < 100.0 {
-        format!("{gb:.1}")
-    } else {
-        format!("{gb:.0}")
-    }
+    if gb < 100.0 { format!("{gb:.1}") } else { format!("{gb:.0}") }
 }
 
 #[cfg(test)]

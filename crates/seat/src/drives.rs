@@ -78,9 +78,7 @@ impl Books<'_> {
         };
         let begun = self.begun(&person.participant, step)?;
         let whole = begun.iter().find(|begun| begun.is_whole());
-        whole
-            .map(|begun| self.record(&person.participant, (step, begun.attempt)))
-            .transpose()
+        whole.map(|begun| self.record(&person.participant, (step, begun.attempt))).transpose()
     }
 
     /// The step and attempt that somebody drove last.

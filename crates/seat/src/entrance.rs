@@ -70,9 +70,7 @@ impl Shared {
             "https" => "; Secure",
             _ => "",
         };
-        Ok(format!(
-            "{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict{secure}"
-        ))
+        Ok(format!("{COOKIE}={value}; Path=/lab; HttpOnly; SameSite=Strict{secure}"))
     }
 }
 
@@ -80,10 +78,7 @@ impl Shared {
 pub(crate) fn door(words: &Words, wrong: bool) -> Response {
     let say = |name| words.plain(name, &[]);
     let (status, said) = if wrong {
-        (
-            StatusCode::UNAUTHORIZED,
-            format!("<p role=\"alert\">{}</p>", say("lab_wrong")),
-        )
+        (StatusCode::UNAUTHORIZED, format!("<p role=\"alert\">{}</p>", say("lab_wrong")))
     } else {
         (StatusCode::OK, String::new())
     };

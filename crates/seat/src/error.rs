@@ -15,17 +15,10 @@ use std::path::{Path, PathBuf};
 pub enum SeatError {
     /// The file of people and answers.
     #[error("{}: {source}", path.to_slash_lossy())]
-    Store {
-        path: PathBuf,
-        source: rusqlite::Error,
-    },
+    Store { path: PathBuf, source: rusqlite::Error },
     /// A file of people and answers that another version wrote.
     #[error("{}: found version {found} of the seat's state, expected {expected}", path.to_slash_lossy())]
-    Version {
-        path: PathBuf,
-        found: i64,
-        expected: i64,
-    },
+    Version { path: PathBuf, found: i64, expected: i64 },
     /// A file of people and answers that another program has open.
     #[error("{}: another seat has it open", path.to_slash_lossy())]
     InUse { path: PathBuf },
@@ -38,10 +31,7 @@ pub enum SeatError {
     },
     /// A file that cannot be read or written.
     #[error("{}: {source}", path.to_slash_lossy())]
-    Io {
-        path: PathBuf,
-        source: std::io::Error,
-    },
+    Io { path: PathBuf, source: std::io::Error },
     /// An address that cannot be served.
     #[error("cannot listen on {address}: {problem}")]
     Address {
@@ -54,10 +44,7 @@ pub enum SeatError {
     Certificate { path: PathBuf, problem: String },
     /// A record that cannot be driven again.
     #[error("{}: {source}", path.to_slash_lossy())]
-    Record {
-        path: PathBuf,
-        source: SeatPageError,
-    },
+    Record { path: PathBuf, source: SeatPageError },
     /// A log that cannot be read.
     #[error(transparent)]
     Log(#[from] BagError),
@@ -72,10 +59,7 @@ pub enum SeatError {
     Unfit(Vec<Hindrance>),
     /// Something that the seat cannot do.
     #[error("{problem}")]
-    Protocol {
-        problem: String,
-        help: Option<String>,
-    },
+    Protocol { problem: String, help: Option<String> },
     /// Work that stopped in the middle.
     #[error("work on a request did not end: {problem}")]
     Unfinished { problem: String },
@@ -107,26 +91,17 @@ impl From<DomainError> for SeatError {
 impl SeatError {
     /// Something that cannot be done, and what can.
     pub(crate) fn cannot(problem: impl Into<String>, help: &str) -> Self {
-        Self::Protocol {
-            problem: problem.into(),
-            help: Some(help.to_owned()),
-        }
+        Self::Protocol { problem: problem.into(), help: Some(help.to_owned()) }
     }
 
     /// A file that cannot be read or written.
     pub(crate) fn io(path: &Path, source: std::io::Error) -> Self {
-        Self::Io {
-            path: path.to_owned(),
-            source,
-        }
+        Self::Io { path: path.to_owned(), source }
     }
 
     /// What SQLite says of the file of people and answers.
     pub(crate) fn store(path: &Path, source: rusqlite::Error) -> Self {
-        Self::Store {
-            path: path.to_owned(),
-            source,
-        }
+        Self::Store { path: path.to_owned(), source }
     }
 
     /// The next step, where one is known.

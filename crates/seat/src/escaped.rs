@@ -2,10 +2,7 @@
 
 /// Text that cannot become markup.
 pub(crate) fn plain(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -14,9 +11,6 @@ mod tests {
 
     #[test]
     fn markup_stays_text() {
-        assert_eq!(
-            plain("<b title=\"&\">"),
-            "&lt;b title=&quot;&amp;&quot;&gt;"
-        );
+        assert_eq!(plain("<b title=\"&\">"), "&lt;b title=&quot;&amp;&quot;&gt;");
     }
 }

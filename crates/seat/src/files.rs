@@ -192,10 +192,7 @@ impl Files {
             return Ok(());
         };
         let path = place.logs.join(format!("{name}.mcap"));
-        let bad = |source| SeatError::Record {
-            path: path.clone(),
-            source,
-        };
+        let bad = |source| SeatError::Record { path: path.clone(), source };
         let meta = DriveMeta::new(
             DriveId::new(name).map_err(|e| bad(e.into()))?,
             ParticipantId::new(participant).map_err(|e| bad(e.into()))?,
@@ -210,12 +207,7 @@ impl Files {
             ..Beside::default()
         };
         Ok(atomic_write(&path, |file| {
-            Ok(write_mcap_with(
-                &again.rollout.recording,
-                &meta,
-                &beside,
-                file,
-            )?)
+            Ok(write_mcap_with(&again.rollout.recording, &meta, &beside, file)?)
         })?)
     }
 
@@ -260,11 +252,7 @@ impl Files {
     /// Writes whom a platform pays, into the folder that is its owner's alone.
     pub(crate) fn write_payment(&self, rows: &[PaymentRow]) -> Result<(), SeatError> {
         match &self.0 {
-            Some(place) => Ok(write_rows(
-                TableName::Payment,
-                &place.records.join(PAYMENT),
-                rows,
-            )?),
+            Some(place) => Ok(write_rows(TableName::Payment, &place.records.join(PAYMENT), rows)?),
             None => Ok(()),
         }
     }
@@ -278,8 +266,7 @@ impl Files {
     pub(crate) fn events(&self) -> Vec<EventRow> {
         let path = self.0.as_ref().map(|place| place.records.join(EVENTS));
         let path = path.filter(|path| path.is_file());
-        path.and_then(|path| read_rows(&path).ok())
-            .unwrap_or_default()
+        path.and_then(|path| read_rows(&path).ok()).unwrap_or_default()
     }
 
     /// Writes what was collected beside answers and drives.
@@ -354,10 +341,7 @@ pub fn texts(study: &DesignFile) -> Result<(Texts, Vec<Texts>), SeatError> {
     let others = protocol.languages.iter();
     let others = others.filter(|language| **language != protocol.language);
     let others = others.map(|language| texts_in(study, language));
-    Ok((
-        texts_in(study, &protocol.language)?,
-        others.collect::<Result<_, _>>()?,
-    ))
+    Ok((texts_in(study, &protocol.language)?, others.collect::<Result<_, _>>()?))
 }
 
 fn texts_in(study: &DesignFile, language: &str) -> Result<Texts, SeatError> {

@@ -30,10 +30,7 @@ impl Seat {
         let why = format!("the person stopped ({reason})");
         self.write_drive(person, (step, found), Some(&why))?;
         self.store.within(|b| {
-            b.event(
-                Some(&person.participant),
-                &format!("step {}: {why}", step + 1),
-            )?;
+            b.event(Some(&person.participant), &format!("step {}: {why}", step + 1))?;
             b.stop(person, step)
         })
     }
@@ -81,10 +78,7 @@ impl Seat {
         let participant = ParticipantId::new(who.as_str())?;
         let name = DriveId::in_condition(&participant, ride)?;
         let name = name.as_str();
-        let mut outcome = Outcome {
-            name: name.to_owned(),
-            ..Outcome::default()
-        };
+        let mut outcome = Outcome { name: name.to_owned(), ..Outcome::default() };
         for (place, cut) in begun.iter().enumerate().filter(|(at, _)| *at != whole) {
             files.record(name, Some(cut.kept_as()), &lines[place])?;
         }
@@ -105,11 +99,8 @@ impl Seat {
                 for text in &remarks {
                     outcome.tell(text);
                 }
-                let notes: Vec<String> = cut
-                    .into_iter()
-                    .chain(pictures.note())
-                    .chain(remarks)
-                    .collect();
+                let notes: Vec<String> =
+                    cut.into_iter().chain(pictures.note()).chain(remarks).collect();
                 let note = (!notes.is_empty()).then(|| notes.join("; "));
                 let kept = (&record, lines.as_str(), note.as_deref());
                 files.log(name, (who, ride), kept, &again)?;
@@ -121,10 +112,7 @@ impl Seat {
                 if let Some(text) = self.shows_another(person, found, &record)? {
                     outcome.tell(text);
                 }
-                if let Step::Ride {
-                    turns: Some(step), ..
-                } = found
-                {
+                if let Step::Ride { turns: Some(step), .. } = found {
                     let turned: Vec<(f64, f64)> = events(&record, "dial")
                         .filter_map(|e| Some((e.tick as f64 / TICKS_PER_S, e.points?)))
                         .collect();
@@ -154,15 +142,10 @@ impl Seat {
             return None;
         }
         let model = self.model.as_ref()?;
-        let fitted = person
-            .style()
-            .and_then(|fit| Embedding::new(fit.embedding).ok());
+        let fitted = person.style().and_then(|fit| Embedding::new(fit.embedding).ok());
         let own_embedding = fitted.unwrap_or_else(|| model.mean_embedding().clone());
         let expected = style.place(model, &own_embedding, *points).ok()?.embedding;
-        let apart = apart(
-            record.header.style.as_ref()?.coordinates(),
-            expected.coordinates(),
-        );
+        let apart = apart(record.header.style.as_ref()?.coordinates(), expected.coordinates());
         (apart > SAME_STYLE).then_some(apart)
     }
 
@@ -257,10 +240,7 @@ fn apart(one: &[f64], other: &[f64]) -> f64 {
 
 /// What was answered on the way, as a sheet; none where nothing was asked. Of several answers to one probe the first counts.
 fn probes_of(step: &Step, record: &Record) -> Option<String> {
-    let Step::Ride {
-        probe: Some(probe), ..
-    } = step
-    else {
+    let Step::Ride { probe: Some(probe), .. } = step else {
         return None;
     };
     // Only what was checked was kept.
@@ -280,10 +260,7 @@ fn mark(person: &Person, step: &Step) -> Option<String> {
     let Step::Ride { style, lent, .. } = step else {
         return None;
     };
-    let theirs = matches!(
-        style,
-        RideStyle::Own | RideStyle::Across(_) | RideStyle::Lent { .. }
-    );
+    let theirs = matches!(style, RideStyle::Own | RideStyle::Across(_) | RideStyle::Lent { .. });
     if !theirs && lent.is_none() {
         return None;
     }
@@ -313,9 +290,7 @@ fn events<'a>(record: &'a Record, what: &'a str) -> impl Iterator<Item = &'a Eve
 fn crash_note(record: &Record) -> Option<String> {
     let crash = events(record, CRASH).next()?;
     let seconds = crash.tick as f64 / TICKS_PER_S;
-    Some(format!(
-        "the car hit another vehicle after {seconds:.0} s, and the drive ended there"
-    ))
+    Some(format!("the car hit another vehicle after {seconds:.0} s, and the drive ended there"))
 }
 
 /// What is said of a drive during which the device was gone with which somebody drove.
@@ -323,9 +298,7 @@ fn gone_note(record: &Record) -> Option<String> {
     match events(record, DEVICE_GONE).count() {
         0 => None,
         1 => Some("the device was gone once, and everything waited for it".to_owned()),
-        n => Some(format!(
-            "the device was gone {n} times, and everything waited for it"
-        )),
+        n => Some(format!("the device was gone {n} times, and everything waited for it")),
     }
 }
 
@@ -391,8 +364,7 @@ impl fmt::Display for Pictures {
             write!(f, ", a key seen after at most {} ms", self.input_ms)?;
         }
         write!(f, ", {} steps left out", self.left_out)?;
-        self.note()
-            .map_or(Ok(()), |_| write!(f, "; more than 1 % came late"))
+        self.note().map_or(Ok(()), |_| write!(f, "; more than 1 % came late"))
     }
 }
 
@@ -477,10 +449,6 @@ mod tests {
         };
         assert_eq!(pictures(6).note(), None);
         assert!(pictures(7).note().unwrap().starts_with("7 of 600 pictures"));
-        assert!(
-            pictures(7)
-                .to_string()
-                .ends_with("0 steps left out; more than 1 % came late")
-        );
+        assert!(pictures(7).to_string().ends_with("0 steps left out; more than 1 % came late"));
     }
 }

@@ -100,9 +100,7 @@ impl Seat {
 
     /// Ends what was begun to be forgotten and was stopped on the way.
     pub(crate) fn forget_the_rest(&self) -> Result<(), SeatError> {
-        let rest = self
-            .store
-            .look(|b| b.not_swept().map(BTreeSet::from_iter))?;
+        let rest = self.store.look(|b| b.not_swept().map(BTreeSet::from_iter))?;
         for participant in &rest {
             self.without_writing(|files| files.forget(participant))?;
         }

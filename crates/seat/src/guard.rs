@@ -25,9 +25,7 @@ const BODY_WITHIN: Duration = Duration::from_secs(30);
 const MOST_UNANSWERED: usize = 8;
 
 /// What a page asks of its server.
-const PARTS: [&str; 8] = [
-    "answer", "done", "drive", "fit", "language", "leave", "model", "open",
-];
+const PARTS: [&str; 8] = ["answer", "done", "drive", "fit", "language", "leave", "model", "open"];
 
 /// What a reply says to the browser, each once: what a page of ours may do, and that nothing of a person is kept by it.
 const HEADERS: [(HeaderName, &str); 4] = [
@@ -45,11 +43,7 @@ const HEADERS: [(HeaderName, &str); 4] = [
 /// Lets a request pass, or says why not; tells whoever runs the study of what was refused.
 pub(crate) async fn guard(State(shared): State<Shared>, request: Request, next: Next) -> Response {
     let path = request.uri().path().to_owned();
-    let stage = request
-        .extensions()
-        .get::<Stage>()
-        .cloned()
-        .unwrap_or_default();
+    let stage = request.extensions().get::<Stage>().cloned().unwrap_or_default();
     let mut response = answered(&shared, request, next, &stage).await;
     stage.waits();
     let status = response.status();
@@ -66,10 +60,7 @@ pub(crate) async fn guard(State(shared): State<Shared>, request: Request, next: 
     }
     for (name, value) in HEADERS {
         // A file that never changes says itself how long it is kept.
-        response
-            .headers_mut()
-            .entry(name)
-            .or_insert(HeaderValue::from_static(value));
+        response.headers_mut().entry(name).or_insert(HeaderValue::from_static(value));
     }
     response
 }
@@ -137,10 +128,7 @@ impl Unanswered {
             return None;
         }
         *count += 1;
-        Some(Self {
-            shared: shared.clone(),
-            token: token.to_owned(),
-        })
+        Some(Self { shared: shared.clone(), token: token.to_owned() })
     }
 }
 

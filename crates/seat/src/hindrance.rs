@@ -28,20 +28,12 @@ pub enum Hindrance {
     #[error(
         "[protocol] asks scale `{scale}`, whose file has wording for {worded} of {items} items"
     )]
-    NoWording {
-        scale: String,
-        worded: usize,
-        items: usize,
-    },
+    NoWording { scale: String, worded: usize, items: usize },
     /// A scale without the study's language.
     #[error(
         "[protocol] asks scale `{scale}` in `{language}`, and its file has it in {}", languages.join(", ")
     )]
-    NoTranslation {
-        scale: String,
-        language: String,
-        languages: Vec<String>,
-    },
+    NoTranslation { scale: String, language: String, languages: Vec<String> },
     /// The score that the style is learned by is never asked.
     #[error("the style is learned by `{score}`, and [protocol] does not ask scale `{}` before the drives", score.scale)]
     StyleNotAsked { score: ScoreName },
@@ -72,11 +64,7 @@ pub enum Hindrance {
     },
     /// A condition whose file of styles cannot be used.
     #[error("condition `{condition}`: {problem}")]
-    Styles {
-        condition: ConditionId,
-        problem: String,
-        remedy: String,
-    },
+    Styles { condition: ConditionId, problem: String, remedy: String },
     /// A condition whose drives the program would make again.
     #[error(
         "condition `{condition}`: its drives would be simulated again by `maveric run`, expected those of the seat"
@@ -84,10 +72,7 @@ pub enum Hindrance {
     SimulatedAgain { condition: ConditionId },
     /// A condition that the seat cannot drive.
     #[error("condition `{condition}`: {problem}")]
-    Car {
-        condition: ConditionId,
-        problem: &'static str,
-    },
+    Car { condition: ConditionId, problem: &'static str },
     /// A scale of more than one item that is to be asked on the way.
     #[error("[protocol] `probe` asks scale `{scale}`, which has {items} items, expected one")]
     ProbeItems { scale: String, items: u32 },

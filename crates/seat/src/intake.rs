@@ -77,9 +77,7 @@ fn take(
             None => {}
         }
         // Another drive of the same attempt: of a tab that was open beside this one.
-        let kept = b
-            .keep(who, place, &parts.pieces)?
-            .ok_or(Refused::OtherTab)?;
+        let kept = b.keep(who, place, &parts.pieces)?.ok_or(Refused::OtherTab)?;
         let begun = b.begun(who, step)?;
         let of_attempt = begun.iter().filter(|b| b.attempt == attempt);
         let bytes: u64 = of_attempt.map(|b| b.bytes).sum();
@@ -114,9 +112,7 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
     for line in text.lines() {
         let length = line.len();
         if length > LONGEST_LINE {
-            return Err(format!(
-                "a line of {length} bytes, expected at most {LONGEST_LINE}"
-            ));
+            return Err(format!("a line of {length} bytes, expected at most {LONGEST_LINE}"));
         }
         if let Ok(header) = serde_json::from_str::<Header>(line) {
             check_header(&header, found, (seed, seconds), seat)?;
@@ -134,9 +130,7 @@ pub(crate) fn parts(seat: &Seat, found: &Step, text: &str) -> Result<Parts, Stri
                 ));
             }
             check_events(found, &chunk)?;
-            parts
-                .pieces
-                .push((chunk.from_tick, chunk.ticks, line.to_owned()));
+            parts.pieces.push((chunk.from_tick, chunk.ticks, line.to_owned()));
         } else if let Ok(end) = serde_json::from_str::<End>(line)
             && end.states.len() == DIGEST_LEN
         {
@@ -153,10 +147,7 @@ fn check_events(found: &Step, chunk: &Chunk) -> Result<(), String> {
     for event in &chunk.events {
         found.stopped(event).unwrap_or_else(|| Ok(String::new()))?;
     }
-    let answers = chunk
-        .events
-        .iter()
-        .filter(|e| AskedProbe::is_answered_by(e));
+    let answers = chunk.events.iter().filter(|e| AskedProbe::is_answered_by(e));
     for event in answers {
         let read = found.probe().and_then(|probe| probe.answer(event));
         read.unwrap_or_else(|| Err("an answer to a probe where none is asked".to_owned()))?;

@@ -117,9 +117,7 @@ async fn next(State(shared): State<Shared>, body: Bytes) -> Answered<Response> {
         participant: given("participant").filter(|id| !id.is_empty()),
         order: given("order").filter(|order| !order.is_empty()),
     };
-    shared
-        .blocking(move |seat| seat.invite(&invitation).map_err(with_help))
-        .await?;
+    shared.blocking(move |seat| seat.invite(&invitation).map_err(with_help)).await?;
     Ok(to_lab())
 }
 
@@ -127,9 +125,7 @@ async fn never_came(
     State(shared): State<Shared>,
     Path(participant): Path<String>,
 ) -> Answered<Response> {
-    shared
-        .blocking(move |seat| seat.never_came(&participant).map_err(with_help))
-        .await?;
+    shared.blocking(move |seat| seat.never_came(&participant).map_err(with_help)).await?;
     Ok(to_lab())
 }
 
@@ -143,19 +139,15 @@ async fn from_above(
         let words = &seat.settings.texts.words;
         let lines = seat.store.look(|b| match b.last_drive(&who)? {
             Some(last) => Ok(b.record(&who, last)?),
-            None => Err(Refused::NotThis(
-                words.sentence("lab_nothing_driven").to_owned(),
-            )),
+            None => Err(Refused::NotThis(words.sentence("lab_nothing_driven").to_owned())),
         })?;
         let unit = seat.settings.design.speed_unit();
         Ok::<_, Refused>(above::picture(&lines, words, unit))
     });
-    let drawn = drawn
-        .await?
-        .unwrap_or_else(|error| format!("<p>{}</p>", plain(&error.to_string())));
+    let drawn =
+        drawn.await?.unwrap_or_else(|error| format!("<p>{}</p>", plain(&error.to_string())));
     let mut page = html_with_way_back(shared.words(), &plain(&participant), &drawn);
-    page.headers_mut()
-        .insert(header::REFRESH, HeaderValue::from_static("2"));
+    page.headers_mut().insert(header::REFRESH, HeaderValue::from_static("2"));
     Ok(page)
 }
 

@@ -59,9 +59,7 @@ impl Books<'_> {
     /// Whether the experimenter ended somebody's driving.
     pub(crate) fn is_aborted(&self, participant: &str) -> Result<bool, SeatError> {
         let left_out = self.left_out(participant)?;
-        Ok(left_out
-            .iter()
-            .any(|left| left.what.starts_with(Act::Abort.past())))
+        Ok(left_out.iter().any(|left| left.what.starts_with(Act::Abort.past())))
     }
 
     fn leave_out(&self, participant: &str, step: usize, what: &str) -> Result<(), SeatError> {
@@ -118,10 +116,7 @@ impl Seat {
         if let Some(why) = hindrance(&person, act) {
             let number = step + 1;
             return Err(SeatError::cannot(
-                format!(
-                    "step {number} of `{participant}` cannot be {}: {why}",
-                    act.past()
-                ),
+                format!("step {number} of `{participant}` cannot be {}: {why}", act.past()),
                 "let them go on, leave by their own page, or forget them",
             ));
         }
@@ -140,10 +135,7 @@ impl Seat {
             }
             b.go_on(&person, step)?;
             // Nobody is asked about a ride of which there was nothing.
-            if b.begun(participant, step)?
-                .iter()
-                .all(|begun| begun.set_aside)
-            {
+            if b.begun(participant, step)?.iter().all(|begun| begun.set_aside) {
                 for asked in step + 1..step + 1 + asked_after(&person.steps, step) {
                     b.leave_out(participant, asked, &what)?;
                     b.go_on(&person, asked)?;
@@ -158,10 +150,7 @@ impl Seat {
 fn asked_after(steps: &[Step], step: usize) -> usize {
     let ride = steps.get(step).and_then(Step::ridden);
     let about = |step: &&Step| match step {
-        Step::Scale {
-            moment: Moment::After(of),
-            ..
-        } => Some(*of) == ride,
+        Step::Scale { moment: Moment::After(of), .. } => Some(*of) == ride,
         _ => false,
     };
     steps.iter().skip(step + 1).take_while(about).count()
@@ -171,10 +160,7 @@ fn asked_after(steps: &[Step], step: usize) -> usize {
 pub(crate) fn said_why(reason: &str) -> Result<&str, SeatError> {
     let reason = reason.trim();
     if reason.is_empty() {
-        return Err(SeatError::cannot(
-            "this is done for a reason, and none was given",
-            "say why",
-        ));
+        return Err(SeatError::cannot("this is done for a reason, and none was given", "say why"));
     }
     Ok(reason)
 }
@@ -192,8 +178,5 @@ pub(crate) fn there(b: &Books<'_>, participant: &str, step: usize) -> Result<Per
             step + 1
         ),
     };
-    Err(SeatError::cannot(
-        elsewhere,
-        "nothing was changed: look at the page again",
-    ))
+    Err(SeatError::cannot(elsewhere, "nothing was changed: look at the page again"))
 }

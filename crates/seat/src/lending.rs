@@ -70,10 +70,7 @@ impl Seat {
     pub(crate) fn withhold(&self, steps: &mut [Step]) -> bool {
         let mut is_new = false;
         for step in steps {
-            if let Step::Ride {
-                style: RideStyle::Lent { withheld, .. },
-                ..
-            } = step
+            if let Step::Ride { style: RideStyle::Lent { withheld, .. }, .. } = step
                 && *withheld != self.withheld
             {
                 withheld.clone_from(&self.withheld);
@@ -134,13 +131,7 @@ impl Seat {
         let mut nobodys = BTreeSet::new();
         let mut steps = person.steps.clone();
         for step in &mut steps {
-            let Step::Ride {
-                condition,
-                style,
-                lent,
-                ..
-            } = step
-            else {
+            let Step::Ride { condition, style, lent, .. } = step else {
                 continue;
             };
             let RideStyle::Lent { seed, .. } = style else {

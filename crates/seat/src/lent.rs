@@ -61,9 +61,7 @@ impl Books<'_> {
         for mut person in everybody {
             let mut changed = false;
             for step in &mut person.steps {
-                if let Step::Ride {
-                    lent: Some(lent), ..
-                } = step
+                if let Step::Ride { lent: Some(lent), .. } = step
                     && lent.donor == gone
                 {
                     lent.donor = DriveId::new(FORGOTTEN)?;
@@ -120,9 +118,7 @@ mod tests {
             person("P002", Some("P001-own")),
             person("P003", Some("P002-own")),
         ];
-        store
-            .within(|b| people.iter().try_for_each(|person| b.add(person)))
-            .unwrap();
+        store.within(|b| people.iter().try_for_each(|person| b.add(person))).unwrap();
         let donors = || -> Vec<(String, String)> {
             let row = |row: LentRow| (row.participant.to_string(), row.lent.donor.to_string());
             let rows = store.look(|b| b.lent().map(|rows| rows.into_iter().map(row).collect()));

@@ -49,11 +49,7 @@ impl Books<'_> {
 impl Seat {
     /// Rows of the square; one while nobody rides.
     pub(crate) fn orders(&self) -> usize {
-        if self.rides() {
-            williams_rows(self.settings.design.conditions().len()).max(1)
-        } else {
-            1
-        }
+        if self.rides() { williams_rows(self.settings.design.conditions().len()).max(1) } else { 1 }
     }
 
     /// The places of the conditions in this row of the square.
@@ -65,19 +61,14 @@ impl Seat {
     fn row_of(&self, b: &Books<'_>, order: &[usize]) -> Result<Option<usize>, SeatError> {
         let mut rows = 0..self.orders();
         let first = rows.find(|row| self.order(*row) == order);
-        first
-            .map(|first| b.free_row(first, self.orders()))
-            .transpose()
+        first.map(|first| b.free_row(first, self.orders())).transpose()
     }
 
     /// The places of conditions that were named in an order, each of the study's once.
     pub(crate) fn order_by_hand(&self, text: &str) -> Result<Vec<usize>, SeatError> {
         let conditions = self.settings.design.conditions();
         let ids = || conditions.iter().map(|condition| condition.id.as_str());
-        let help = format!(
-            "expected each of these once: {}",
-            ids().collect::<Vec<_>>().join(" ")
-        );
+        let help = format!("expected each of these once: {}", ids().collect::<Vec<_>>().join(" "));
         let cannot =
             |problem: String| SeatError::cannot(format!("the order `{text}`: {problem}"), &help);
         if !self.rides() {
@@ -103,10 +94,7 @@ impl Seat {
     fn ids_taken(&self, b: &Books<'_>) -> Result<BTreeSet<String>, SeatError> {
         let elsewhere = self.settings.files.people()?.into_iter();
         let in_store = b.ids()?.into_iter().chain(b.forgotten()?);
-        Ok(elsewhere
-            .chain(in_store)
-            .map(|id| id.to_lowercase())
-            .collect())
+        Ok(elsewhere.chain(in_store).map(|id| id.to_lowercase()).collect())
     }
 
     /// The id that is wanted, or the next that nobody has or had, here or in the study's table of people.
@@ -120,10 +108,7 @@ impl Seat {
             return Ok(format!("P{number:03}"));
         };
         let checked = ParticipantId::new(wanted).map_err(|e| {
-            SeatError::cannot(
-                e.to_string(),
-                "give another one, or none for the next that is free",
-            )
+            SeatError::cannot(e.to_string(), "give another one, or none for the next that is free")
         })?;
         if taken.contains(&wanted.to_lowercase()) {
             return Err(SeatError::cannot(
@@ -201,11 +186,7 @@ impl Seat {
             }
             b.ended(&person, NEVER_CAME)?;
             // Of no person: it is kept also of somebody who is in no table, since they were not admitted yet.
-            let place = if person.row.is_some() {
-                ": their row of the square is free"
-            } else {
-                ""
-            };
+            let place = if person.row.is_some() { ": their row of the square is free" } else { "" };
             b.event(None, &format!("{participant} never came{place}"))
         })?;
         self.write_files()

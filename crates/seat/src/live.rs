@@ -70,11 +70,7 @@ impl Books<'_> {
     /// How many people have not ended.
     pub(crate) fn on_the_way(&self) -> Result<i64, SeatError> {
         self.ask(|c| {
-            c.query_row(
-                "SELECT COUNT(*) FROM person WHERE ended IS NULL",
-                [],
-                |row| row.get(0),
-            )
+            c.query_row("SELECT COUNT(*) FROM person WHERE ended IS NULL", [], |row| row.get(0))
         })
     }
 }
@@ -82,12 +78,9 @@ impl Books<'_> {
 /// What may change of the page: parts and what stands in them. What was refused is shown even where nothing can be read.
 pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
     let read = shared.blocking(|seat| {
-        let (people, events) = seat
-            .store
-            .look(|b| Ok::<_, SeatError>((b.whereabouts()?, b.events(SHOWN)?)))?;
-        let known = people
-            .into_iter()
-            .filter_map(|there| Some((seat.known(&there.token)?, there)));
+        let (people, events) =
+            seat.store.look(|b| Ok::<_, SeatError>((b.whereabouts()?, b.events(SHOWN)?)))?;
+        let known = people.into_iter().filter_map(|there| Some((seat.known(&there.token)?, there)));
         Ok::<_, SeatError>((known.collect::<Vec<_>>(), events))
     });
     let read = read.await;
@@ -96,18 +89,11 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
     let (people, events) = match read {
         Ok(read) => read,
         Err(error) => {
-            let _ = write!(
-                refused,
-                "<p role=\"alert\">{}</p>",
-                plain(&error.to_string())
-            );
+            let _ = write!(refused, "<p role=\"alert\">{}</p>", plain(&error.to_string()));
             return vec![(REFUSED, refused)];
         }
     };
-    let people = people
-        .iter()
-        .map(|(known, there)| row(known, there, words))
-        .collect();
+    let people = people.iter().map(|(known, there)| row(known, there, words)).collect();
     let mut happened = String::new();
     for (who, what) in events {
         let who = who.map_or_else(String::new, |who| plain(&who));
@@ -118,10 +104,7 @@ pub(crate) async fn parts(shared: &Shared) -> Vec<(&'static str, String)> {
         (REFUSED, refused),
         (PEOPLE, people),
         (HAPPENED, happened),
-        (
-            DISK,
-            disk.map_or_else(String::new, |bytes| room(bytes, words)),
-        ),
+        (DISK, disk.map_or_else(String::new, |bytes| room(bytes, words))),
     ]
 }
 
@@ -130,10 +113,7 @@ fn room(bytes: u64, words: &Words) -> String {
     let gb = disk::in_gb(bytes);
     let free = words.plain("lab_disk", &[("gb", &gb)]);
     if bytes < disk::LITTLE {
-        format!(
-            "<strong role=\"alert\">{free} {}</strong>",
-            words.plain("lab_disk_little", &[])
-        )
+        format!("<strong role=\"alert\">{free} {}</strong>", words.plain("lab_disk_little", &[]))
     } else {
         free
     }
@@ -171,10 +151,7 @@ fn refused(all: &[Refusal], words: &Words) -> String {
 /// A moment, of which the page says how long ago it is.
 fn time(unix_s: i64) -> String {
     let moment = chrono::DateTime::from_timestamp(unix_s, 0).unwrap_or_default();
-    format!(
-        "<time data-since=\"{unix_s}\">{} UTC</time>",
-        moment.format("%H:%M:%S")
-    )
+    format!("<time data-since=\"{unix_s}\">{} UTC</time>", moment.format("%H:%M:%S"))
 }
 
 fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
@@ -196,13 +173,9 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
     if let (Some((ticks, piece)), Some(step)) = (&there.driven, known.steps.get(at)) {
         let seconds = step.seconds.unwrap_or_default();
         let driven = format!("{:.0}", *ticks as f64 / TICKS_PER_S);
-        place += &words.plain(
-            "lab_driven",
-            &[("seconds", &driven), ("of", &format!("{seconds:.0}"))],
-        );
-        let piece = piece
-            .as_deref()
-            .and_then(|line| serde_json::from_str::<Chunk>(line).ok());
+        place +=
+            &words.plain("lab_driven", &[("seconds", &driven), ("of", &format!("{seconds:.0}"))]);
+        let piece = piece.as_deref().and_then(|line| serde_json::from_str::<Chunk>(line).ok());
         // Everything waits for a device that is gone: the piece that says so stays the last.
         let gone = |piece: &Chunk| piece.events.iter().any(|e| e.what.starts_with(DEVICE_GONE));
         if piece.as_ref().is_some_and(gone) {
@@ -210,16 +183,13 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
         }
         // Only pieces of some steps are kept.
         pictures = piece.map_or(pictures, |piece| {
-            format!(
-                "{:.0}",
-                f64::from(piece.frames.drawn) * TICKS_PER_S / piece.ticks as f64
-            )
+            format!("{:.0}", f64::from(piece.frames.drawn) * TICKS_PER_S / piece.ticks as f64)
         });
     }
     let beyond = match style_kept(there.fit.as_deref()) {
-        Some(Fit {
-            beyond: Some(why), ..
-        }) => words.plain("lab_beyond", &[("why", &beyond_in_words(&why))]),
+        Some(Fit { beyond: Some(why), .. }) => {
+            words.plain("lab_beyond", &[("why", &beyond_in_words(&why))])
+        }
         Some(Fit { readings: 0, .. }) => say("no_style"),
         _ => String::new(),
     };
@@ -244,11 +214,7 @@ fn row(known: &Known, there: &Whereabouts, words: &Words) -> String {
          <td><a href=\"{link}\">{link}</a><td>{never_came}{step} <a href=\"/lab/exclude/{who}\">{}</a> <a href=\"/lab/forget/{who}\">{}</a>",
         time(there.since),
         rides.join(", "),
-        say(if there.excluded {
-            "lab_excluded"
-        } else {
-            "lab_exclude"
-        }),
+        say(if there.excluded { "lab_excluded" } else { "lab_exclude" }),
         say("lab_forget"),
     )
 }
@@ -292,21 +258,14 @@ mod tests {
         let fit = r#"{"embedding":[0.0],"covariance":null,"score":30.0,"readings":3,"beyond":"style:pass"}"#;
         there.fit = Some(fit.to_owned());
         let marked = row(&known(Vec::new()), &there, &Words::default());
-        assert!(
-            marked.contains("<td>beyond what the model has met: shows a style"),
-            "{marked}"
-        );
+        assert!(marked.contains("<td>beyond what the model has met: shows a style"), "{marked}");
         // Nothing was learned: the style is the average driver's.
         let fit = r#"{"embedding":[0.0],"covariance":null,"score":null,"readings":0}"#;
         for (readings, nothing) in [("0", true), ("3", false)] {
             let fit = fit.replace("\"readings\":0", &format!("\"readings\":{readings}"));
             there.fit = Some(fit);
             let marked = row(&known(Vec::new()), &there, &Words::default());
-            assert_eq!(
-                marked.contains("<td>No style was learned"),
-                nothing,
-                "{marked}"
-            );
+            assert_eq!(marked.contains("<td>No style was learned"), nothing, "{marked}");
         }
     }
 

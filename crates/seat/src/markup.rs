@@ -28,9 +28,7 @@ pub(crate) fn html_with_way_back(words: &Words, heading: &str, body: &str) -> Re
 /// A field of a form, as browsers encode it, less what is no text.
 pub(crate) fn form_field(body: &[u8], name: &str) -> Option<String> {
     let text = std::str::from_utf8(body).ok()?;
-    let field = text
-        .split('&')
-        .find_map(|f| f.strip_prefix(name)?.strip_prefix('='))?;
+    let field = text.split('&').find_map(|f| f.strip_prefix(name)?.strip_prefix('='))?;
     let mut bytes = Vec::new();
     let mut rest = field.bytes();
     while let Some(byte) = rest.next() {

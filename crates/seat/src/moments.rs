@@ -24,10 +24,7 @@ pub(crate) fn screen(
     let sheets = sheets.collect::<Result<_, _>>()?;
     let rules = protocol.admit_if.iter();
     let rules = rules.map(|rule| judged(rule, &protocol.screen, scales));
-    Ok(Some(Step::Screen {
-        sheets,
-        rules: rules.collect::<Result<_, _>>()?,
-    }))
+    Ok(Some(Step::Screen { sheets, rules: rules.collect::<Result<_, _>>()? }))
 }
 
 /// A rule with the place of its item.
@@ -36,11 +33,7 @@ fn judged(rule: &AnswerRule, screen: &[String], scales: &[Scale]) -> Result<Judg
     let scale = scales.iter().find(|scale| scale.id == rule.scale);
     let (Some(sheet), Some(scale)) = (sheet, scale) else {
         // The design asks the scale, and a scale that no file has was found before.
-        return Err(unknown_item(
-            "admit_if",
-            rule,
-            "no item of [protocol] `screen`",
-        ));
+        return Err(unknown_item("admit_if", rule, "no item of [protocol] `screen`"));
     };
     Ok(Judged {
         rule: rule.to_string(),
@@ -52,11 +45,7 @@ fn judged(rule: &AnswerRule, screen: &[String], scales: &[Scale]) -> Result<Judg
 }
 
 fn unknown_item(key: &'static str, rule: &AnswerRule, problem: impl Into<String>) -> Hindrance {
-    Hindrance::Rule {
-        key,
-        rule: rule.to_string(),
-        problem: problem.into(),
-    }
+    Hindrance::Rule { key, rule: rule.to_string(), problem: problem.into() }
 }
 
 /// Which item of its scale a rule is on, from 0: by its number, by the subscale that it alone makes, or the only one.
@@ -80,18 +69,13 @@ fn item_of(key: &'static str, rule: &AnswerRule, scale: &Scale) -> Result<usize,
         let of_one = scale.subscales.iter().filter(|s| s.items.len() == 1);
         let named = of_one.map(|s| format!(", {}.{}", scale.id, s.id));
         let named = named.collect::<Vec<_>>().concat();
-        let problem = format!(
-            "expected an item: {}.1 to {}.{items}{named}",
-            scale.id, scale.id
-        );
+        let problem = format!("expected an item: {}.1 to {}.{items}{named}", scale.id, scale.id);
         unknown_item(key, rule, problem)
     })?;
     let question = &scale.items[item];
     if !(question.min..=question.max).contains(&rule.value) {
-        let problem = format!(
-            "`{}` has answers from {} to {}",
-            scale.id, question.min, question.max
-        );
+        let problem =
+            format!("`{}` has answers from {} to {}", scale.id, question.min, question.max);
         return Err(unknown_item(key, rule, problem));
     }
     Ok(item)
@@ -103,11 +87,7 @@ fn stop_rule(protocol: &Protocol, scale: &Scale) -> Result<Option<StopRule>, Hin
         return Ok(None);
     };
     item_of("stop_if", rule, scale)?;
-    Ok(Some(StopRule {
-        rule: rule.to_string(),
-        than: rule.than,
-        value: rule.value,
-    }))
+    Ok(Some(StopRule { rule: rule.to_string(), than: rule.than, value: rule.value }))
 }
 
 /// What is asked on the way, if something is.
@@ -121,10 +101,8 @@ pub(crate) fn probe(
     };
     let (scale, wording, items) = worded_scale(scales, &probe.scale, language)?;
     let one: Result<[Asked; 1], _> = items.try_into();
-    let [question] = one.map_err(|_| Hindrance::ProbeItems {
-        scale: scale.id.clone(),
-        items: scale.count(),
-    })?;
+    let [question] =
+        one.map_err(|_| Hindrance::ProbeItems { scale: scale.id.clone(), items: scale.count() })?;
     let kind = question.item.kind;
     if matches!(kind, Kind::Number | Kind::Text) {
         let scale = scale.id.clone();
@@ -157,10 +135,7 @@ mod tests {
              [[item]]\n{delivery}\n"
         );
         let protocol = Protocol {
-            probe: Some(Probe {
-                scale: "feeling".to_owned(),
-                every_s: 60.0,
-            }),
+            probe: Some(Probe { scale: "feeling".to_owned(), every_s: 60.0 }),
             stop_if: stop_if.map(|rule| rule.parse().unwrap()),
             ..Protocol::default()
         };
@@ -193,11 +168,8 @@ mod tests {
         assert_eq!(probe.question.words.anchors, ["not", "very"]);
         assert!(probe.takes(75) && !probe.takes(80) && !probe.stops(100));
         let answer = |points: f64| {
-            let event = Event {
-                tick: 6_100,
-                what: "probe:feeling".to_owned(),
-                points: Some(points),
-            };
+            let event =
+                Event { tick: 6_100, what: "probe:feeling".to_owned(), points: Some(points) };
             probe.answer(&event).unwrap()
         };
         assert_eq!(answer(75.0), Ok((60.0, Some(75))));
@@ -210,10 +182,7 @@ mod tests {
     #[test]
     fn what_is_written_and_not_pressed_is_no_probe() {
         for (delivery, kind) in [
-            (
-                "kind = \"number\"\ntext = \"How sick?\"\nmin = 0\nmax = 10",
-                "`number`",
-            ),
+            ("kind = \"number\"\ntext = \"How sick?\"\nmin = 0\nmax = 10", "`number`"),
             ("kind = \"text\"\ntext = \"How do you feel?\"", "`text`"),
         ] {
             let refused = probe_of(delivery, None).unwrap_err();

@@ -34,9 +34,7 @@ impl Need {
             needs.device.map(|device| Self::Device { device }),
             needs.width_px.map(|least| Self::WidthPx { least }),
             needs.height_px.map(|least| Self::HeightPx { least }),
-            needs
-                .pictures_per_second
-                .map(|least| Self::PicturesPerSecond { least }),
+            needs.pictures_per_second.map(|least| Self::PicturesPerSecond { least }),
         ];
         some.into_iter().flatten().collect()
     }

@@ -16,9 +16,7 @@ pub(crate) fn own(headers: &HeaderMap) -> bool {
     else {
         return false;
     };
-    ["http://", "https://"]
-        .iter()
-        .any(|scheme| origin.strip_prefix(scheme) == Some(host))
+    ["http://", "https://"].iter().any(|scheme| origin.strip_prefix(scheme) == Some(host))
 }
 
 /// Whether a server that is bound to this machine is asked by its own name: another name that leads here is somebody else's page.
@@ -28,9 +26,7 @@ pub(crate) fn host_is_ours(headers: &HeaderMap, bound: SocketAddr) -> bool {
     }
     let port = bound.port();
     only(headers, header::HOST).is_some_and(|host| {
-        ["127.0.0.1", "localhost", "[::1]"]
-            .iter()
-            .any(|name| host == format!("{name}:{port}"))
+        ["127.0.0.1", "localhost", "[::1]"].iter().any(|name| host == format!("{name}:{port}"))
     })
 }
 
@@ -62,9 +58,6 @@ mod tests {
         assert!(!own(&headers(std::slice::from_ref(&host))));
         let bound: SocketAddr = "127.0.0.1:8000".parse().unwrap();
         assert!(host_is_ours(&headers(&[host]), bound));
-        assert!(!host_is_ours(
-            &headers(&[(header::HOST, "rebound.example:8000")]),
-            bound
-        ));
+        assert!(!host_is_ours(&headers(&[(header::HOST, "rebound.example:8000")]), bound));
     }
 }

@@ -53,11 +53,7 @@ impl Books<'_> {
     /// How somebody's part ended, as it is paid: none while it goes on.
     fn paid_as(&self, person: &Person) -> Result<Option<String>, SeatError> {
         let early = person.ended.as_deref() == Some("done") && self.stopped_early(person)?;
-        Ok(if early {
-            Some(STOPPED.to_owned())
-        } else {
-            person.ended.clone()
-        })
+        Ok(if early { Some(STOPPED.to_owned()) } else { person.ended.clone() })
     }
 
     /// Whether somebody stopped in a drive, or the experimenter ended their driving.
@@ -107,8 +103,7 @@ impl Seat {
             } else {
                 let token = self.invite(&Invitation::default())?;
                 let statement = "INSERT INTO platform VALUES (?1, ?2)";
-                self.store
-                    .within(|b| b.change(statement, [&digest, &token]))?;
+                self.store.within(|b| b.change(statement, [&digest, &token]))?;
                 token
             };
             // Of who is forgotten since, nothing is written down again.
@@ -128,11 +123,7 @@ impl Files {
         if rows.iter().any(|row| row.participant == participant) {
             return Ok(());
         }
-        rows.push(PaymentRow {
-            participant,
-            platform_id: id.to_owned(),
-            ended: None,
-        });
+        rows.push(PaymentRow { participant, platform_id: id.to_owned(), ended: None });
         self.write_payment(&rows)
     }
 
@@ -177,8 +168,5 @@ pub fn paid(study: &DesignFile, state: &Path) -> Result<Paid, SeatError> {
     if !ended.is_empty() {
         files.write_payment(&on)?;
     }
-    Ok(Paid {
-        deleted: ended.len(),
-        left: on.len(),
-    })
+    Ok(Paid { deleted: ended.len(), left: on.len() })
 }

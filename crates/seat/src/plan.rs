@@ -90,10 +90,8 @@ impl Planning<'_> {
     /// What comes before anything is asked or driven.
     fn before(&self) -> Vec<Step> {
         let protocol = self.design.protocol();
-        let chooses = (!protocol.languages.is_empty()).then(|| Step::Language {
-            languages: protocol.languages.clone(),
-            chosen: None,
-        });
+        let chooses = (!protocol.languages.is_empty())
+            .then(|| Step::Language { languages: protocol.languages.clone(), chosen: None });
         let needs = protocol.needs.as_ref().map(Need::of_study);
         let needs = needs.map(|needs| Step::Computer { needs });
         chooses.into_iter().chain(needs).collect()
@@ -141,10 +139,7 @@ impl Planning<'_> {
             }),
             ProtocolStep::Drive => {
                 let condition = self.baseline;
-                let ride = Ride {
-                    condition,
-                    occasion,
-                };
+                let ride = Ride { condition, occasion };
                 steps.push(Step::Drive {
                     condition,
                     occasion,
@@ -163,9 +158,7 @@ impl Planning<'_> {
                     steps.push(self.which(pair, riding.order)?);
                 }
             }
-            ProtocolStep::Break => steps.push(Step::Break {
-                seconds: protocol.break_s,
-            }),
+            ProtocolStep::Break => steps.push(Step::Break { seconds: protocol.break_s }),
             ProtocolStep::Post => self.sheets(&protocol.post, Moment::Post, steps)?,
         }
         Ok(())
@@ -178,13 +171,8 @@ impl Planning<'_> {
         let is_one = |place: &usize| pair.contains(&conditions[*place].id);
         let numbers = (1..).zip(order).filter(|(_, place)| is_one(place));
         let numbers: Vec<String> = numbers.map(|(number, _)| number.to_string()).collect();
-        if let (
-            Step::Scale {
-                instruction: Some(text),
-                ..
-            },
-            [earlier, later],
-        ) = (&mut step, numbers.as_slice())
+        if let (Step::Scale { instruction: Some(text), .. }, [earlier, later]) =
+            (&mut step, numbers.as_slice())
         {
             *text = text.replace("{earlier}", earlier).replace("{later}", later);
         }
@@ -269,9 +257,7 @@ impl Planning<'_> {
             title: self.design.title().to_owned(),
             text: crash::in_consent(&text, words),
             agree: true,
-            lend: self
-                .may_lend()
-                .then(|| words.sentence("lend_sentence").to_owned()),
+            lend: self.may_lend().then(|| words.sentence("lend_sentence").to_owned()),
         }))
     }
 
@@ -300,10 +286,8 @@ impl Planning<'_> {
         let (texts, words) = (self.texts, &self.texts.words);
         if steps.iter().any(|step| step.world().is_some()) {
             let standard = || words.sentence("aftercare").to_owned();
-            let again = self.stops.clone().map(|probe| AskedProbe {
-                every_s: ASKED_AGAIN_S,
-                ..probe
-            });
+            let again =
+                self.stops.clone().map(|probe| AskedProbe { every_s: ASKED_AGAIN_S, ..probe });
             steps.push(Step::Aftercare {
                 text: texts.aftercare.clone().unwrap_or_else(standard),
                 again,
@@ -370,9 +354,7 @@ fn driven(
     riding: Riding<'_>,
 ) -> Result<(RideStyle, f64, Option<f64>), SeatError> {
     let style = design.style();
-    let step = style
-        .and_then(|s| s.points)
-        .unwrap_or(riding.range.step(1.0));
+    let step = style.and_then(|s| s.points).unwrap_or(riding.range.step(1.0));
     // Three turns are a step.
     let turn = style.map_or(1.0, |s| s.aggression.factor()) * step / 3.0;
     // Root of the angle across the dial, and of the donor: the one that `maveric steer` takes.
@@ -398,9 +380,7 @@ fn driven(
             RideStyle::Given(style_of(rows, file, &participant)?.clone())
         }
         _ => {
-            return Err(
-                Hindrance::no_car(condition.id, "the seat does not drive its `car`").into(),
-            );
+            return Err(Hindrance::no_car(condition.id, "the seat does not drive its `car`").into());
         }
     };
     Ok((style, 0.0, None))
@@ -409,9 +389,7 @@ fn driven(
 /// The car of a condition, if the seat may drive it.
 pub(crate) fn car(condition: &Condition) -> Result<&Car, Hindrance> {
     if condition.simulated() {
-        return Err(Hindrance::SimulatedAgain {
-            condition: condition.id,
-        });
+        return Err(Hindrance::SimulatedAgain { condition: condition.id });
     }
     let car = condition.car.as_ref();
     car.ok_or_else(|| Hindrance::no_car(condition.id, "it has no `car`"))

@@ -54,10 +54,7 @@ pub(crate) struct Refusals {
 
 impl Refusals {
     pub(crate) fn new(tell: Box<dyn Fn(&str) + Send + Sync>) -> Self {
-        Self {
-            list: Mutex::default(),
-            tell,
-        }
+        Self { list: Mutex::default(), tell }
     }
 
     /// Takes one down; tells of it when it is new, and now and then while it goes on. `ours` is a failure of the server's: it is told
@@ -74,13 +71,7 @@ impl Refusals {
         let place = list.all.iter().position(same);
         let mut refusal = match place {
             Some(place) => list.all.remove(place),
-            None => Refusal {
-                participant,
-                why,
-                times: 0,
-                last_s: 0,
-                told: None,
-            },
+            None => Refusal { participant, why, times: 0, last_s: 0, told: None },
         };
         refusal.times += 1;
         refusal.last_s = books::now();
@@ -97,9 +88,7 @@ impl Refusals {
 
     /// Takes out what was refused to somebody who is forgotten.
     pub(crate) fn forget(&self, participant: &str) {
-        held(&self.list)
-            .all
-            .retain(|r| r.participant.as_deref() != Some(participant));
+        held(&self.list).all.retain(|r| r.participant.as_deref() != Some(participant));
     }
 
     pub(crate) fn newest_first(&self) -> Vec<Refusal> {
@@ -136,11 +125,6 @@ mod tests {
         assert_eq!(refusals.newest_first().len(), MOST);
         refusals.add(Some("P002".to_owned()), "x", false);
         refusals.forget("P002");
-        assert!(
-            refusals
-                .newest_first()
-                .iter()
-                .all(|r| r.participant.is_none())
-        );
+        assert!(refusals.newest_first().iter().all(|r| r.participant.is_none()));
     }
 }

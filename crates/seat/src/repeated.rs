@@ -51,10 +51,7 @@ fn last_driven(
     let Some(now_at) = person.steps.get(person.at) else {
         return Ok(Err("this is the end"));
     };
-    if matches!(
-        now_at,
-        Step::Aftercare { .. } | Step::Text { .. } | Step::Thanks { .. }
-    ) {
+    if matches!(now_at, Step::Aftercare { .. } | Step::Text { .. } | Step::Thanks { .. }) {
         return Ok(Err("nothing is driven any more, or nothing was driven yet"));
     }
     for (step, driven) in person.steps.iter().enumerate().take(person.at + 1).rev() {
@@ -65,9 +62,7 @@ fn last_driven(
             continue;
         };
         if last.set_aside {
-            return Ok(Err(
-                "it is to be driven again already, and nothing of that has come yet",
-            ));
+            return Ok(Err("it is to be driven again already, and nothing of that has come yet"));
         }
         if b.is_left_out(who, step)? {
             return Ok(Err("what was driven last was left out"));
@@ -77,18 +72,11 @@ fn last_driven(
         }
         let lent = |step: &Step| matches!(step, Step::Ride { lent: Some(_), .. });
         if driven.is_learned_of() && person.steps.iter().any(lent) {
-            return Ok(Err(
-                "somebody else’s style was lent by what was learned of it",
-            ));
+            return Ok(Err("somebody else’s style was lent by what was learned of it"));
         }
         let sheets = b.answers(who)?;
-        if sheets
-            .iter()
-            .any(|sheet| sheet.step == step && sheet.listed != Listed::NotYet)
-        {
-            return Ok(Err(
-                "what was answered on the way stands in the study’s table already",
-            ));
+        if sheets.iter().any(|sheet| sheet.step == step && sheet.listed != Listed::NotYet) {
+            return Ok(Err("what was answered on the way stands in the study’s table already"));
         }
         return Ok(Ok((step, last.attempt)));
     }

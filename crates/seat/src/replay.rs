@@ -34,10 +34,7 @@ pub fn repeat(path: &Path) -> Result<Repeated, SeatError> {
         bytes = record.ok_or_else(|| SeatError::NoRecord(path.to_owned()))?;
     }
     let text = String::from_utf8(bytes).map_err(|e| io(std::io::Error::other(e)))?;
-    let bad = |source| SeatError::Record {
-        path: path.to_owned(),
-        source,
-    };
+    let bad = |source| SeatError::Record { path: path.to_owned(), source };
     let record = Record::from_lines(&text).map_err(bad)?;
     let again = maveric_seat_page::replay(&record).map_err(bad)?;
     Ok(Repeated {

@@ -77,22 +77,14 @@ impl From<SeatError> for Refused {
 impl IntoResponse for Refused {
     fn into_response(self) -> Response {
         let (status, lasting, shown) = match self {
-            Self::NoSuchPerson => (
-                StatusCode::NOT_FOUND,
-                "no-such-person",
-                "no such link".to_owned(),
-            ),
-            Self::Over => (
-                StatusCode::GONE,
-                "over",
-                "this part of the study is over".to_owned(),
-            ),
+            Self::NoSuchPerson => {
+                (StatusCode::NOT_FOUND, "no-such-person", "no such link".to_owned())
+            }
+            Self::Over => (StatusCode::GONE, "over", "this part of the study is over".to_owned()),
             Self::NotThis(why) => (StatusCode::BAD_REQUEST, "not-this", why),
-            Self::OtherTab => (
-                StatusCode::CONFLICT,
-                "other-tab",
-                "this study is open in another tab".to_owned(),
-            ),
+            Self::OtherTab => {
+                (StatusCode::CONFLICT, "other-tab", "this study is open in another tab".to_owned())
+            }
             Self::AnsweredBefore(step) => (
                 StatusCode::CONFLICT,
                 "other-tab",
@@ -143,9 +135,7 @@ impl Shared {
         let seat = Arc::clone(&self.seat);
         let done = tokio::task::spawn_blocking(move || work(&seat)).await;
         // A panic there is a bug, said as such and no further.
-        done.map_err(|e| SeatError::Unfinished {
-            problem: e.to_string(),
-        })?
+        done.map_err(|e| SeatError::Unfinished { problem: e.to_string() })?
     }
 }
 
@@ -165,10 +155,7 @@ impl Books<'_> {
             Some(there) => Ok((person, there)),
             // Somebody who had gone on is to drive the step before once more.
             None if self.repeats(&person)? => Err(Refused::Over),
-            None => Err(Refused::NotThis(format!(
-                "step {step}, expected at most {}",
-                person.at
-            ))),
+            None => Err(Refused::NotThis(format!("step {step}, expected at most {}", person.at))),
         }
     }
 }
@@ -193,9 +180,7 @@ mod tests {
         assert_eq!(lasting(Refused::AnsweredBefore(3)), word("other-tab"));
         let too_late = Refused::TooLate("until yesterday".to_owned());
         assert_eq!(lasting(too_late), word("too-late"));
-        let full = SeatError::Unfinished {
-            problem: "disk full".to_owned(),
-        };
+        let full = SeatError::Unfinished { problem: "disk full".to_owned() };
         assert_eq!(lasting(Refused::Failed(full)), None);
     }
 }

@@ -39,10 +39,7 @@ impl Books<'_> {
     pub(crate) fn not_admitted(&self) -> Result<Vec<NotAdmitted>, SeatError> {
         let question = "SELECT rule, people FROM not_admitted ORDER BY rule";
         self.rows(question, [], |row| {
-            Ok(NotAdmitted {
-                rule: row.get(0)?,
-                people: row.get::<_, i64>(1)? as usize,
-            })
+            Ok(NotAdmitted { rule: row.get(0)?, people: row.get::<_, i64>(1)? as usize })
         })
     }
 }

@@ -113,11 +113,7 @@ impl Seat {
     /// [`SeatError::Unfit`] with all that keeps the seat from running the study, before anything is written; [`SeatError::Store`] if the file
     /// cannot be opened; [`SeatError::Model`] for a model that is none; [`SeatError::Study`] if its tables cannot be read or made.
     pub fn open(path: &Path, mut settings: SeatSettings) -> Result<Self, SeatError> {
-        if settings
-            .password
-            .as_ref()
-            .is_some_and(|p| p.trim().is_empty())
-        {
+        if settings.password.as_ref().is_some_and(|p| p.trim().is_empty()) {
             return Err(SeatError::cannot(
                 "the password of the experimenter's page is empty",
                 "give one, or leave it out: then one is made up and printed",
@@ -343,9 +339,7 @@ impl Seat {
             })?;
             let before = files.events();
             let people = (&given[..], &listed);
-            let collected = self
-                .store
-                .look(|b| b.collected(people, &before, unfinished))?;
+            let collected = self.store.look(|b| b.collected(people, &before, unfinished))?;
             files.collected(&collected)?;
         }
         *written = answered;
@@ -384,8 +378,7 @@ impl Seat {
 
     /// Keeps a note of the experimenter's.
     pub fn note(&self, text: &str) -> Result<(), SeatError> {
-        self.store
-            .within(|b| b.event(None, &format!("{NOTE}{text}")))
+        self.store.within(|b| b.event(None, &format!("{NOTE}{text}")))
     }
 
     /// Whether speeds are shown in miles an hour.

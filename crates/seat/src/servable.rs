@@ -30,20 +30,14 @@ pub(crate) fn hindrances(
     if software != Software::Table {
         problems.push(Hindrance::Software { software });
     }
-    let consent = texts
-        .consent
-        .as_ref()
-        .filter(|_| asks(ProtocolStep::Consent));
+    let consent = texts.consent.as_ref().filter(|_| asks(ProtocolStep::Consent));
     if let Some(text) = consent {
         let until = protocol.withdraw_until.as_deref();
         problems.extend(withdrawal::in_consent(text, until, &texts.words).err());
     }
     let consent = consent.map(String::as_str);
     problems.extend(crash::named(consent, protocol.crash).err());
-    let before = protocol
-        .before
-        .iter()
-        .filter(|_| asks(ProtocolStep::Before));
+    let before = protocol.before.iter().filter(|_| asks(ProtocolStep::Before));
     let after = protocol.after.iter().filter(|_| asks(ProtocolStep::Rides));
     let (screen, post) = (&protocol.screen, &protocol.post);
     let scales_asked = screen.iter().chain(before).chain(after).chain(post);
@@ -63,12 +57,8 @@ pub(crate) fn hindrances(
     }
     let learns = design.model().is_none() && design.people().learn.is_some();
     let is_asked = |scale| asks(ProtocolStep::Before) && protocol.before.contains(scale);
-    let unasked = design
-        .style()
-        .filter(|style| learns && !is_asked(&style.score.scale));
-    problems.extend(unasked.map(|style| Hindrance::StyleNotAsked {
-        score: style.score.clone(),
-    }));
+    let unasked = design.style().filter(|style| learns && !is_asked(&style.score.scale));
+    problems.extend(unasked.map(|style| Hindrance::StyleNotAsked { score: style.score.clone() }));
     if learns && !asks(ProtocolStep::Drive) {
         problems.push(Hindrance::NoDrive);
     }
@@ -82,26 +72,20 @@ pub(crate) fn hindrances(
         problems.extend(car(condition).err());
         let hides = matches!(condition.car, Some(Car::Matched(_) | Car::Replay));
         if hides && protocol.debrief.is_none() {
-            problems.push(Hindrance::NoDebriefing {
-                condition: condition.id,
-            });
+            problems.push(Hindrance::NoDebriefing { condition: condition.id });
         }
         let lends = matches!(condition.car, Some(Car::Matched(_)));
         let donors = model.map(|model| model.training().len());
-        problems.extend(
-            donors
-                .filter(|n| lends && *n < FEWEST_DONORS)
-                .map(|donors| Hindrance::FewDonors {
-                    condition: condition.id,
-                    donors,
-                    learned_here: design.model().is_none(),
-                }),
-        );
-        if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {
-            problems.push(Hindrance::NotByModel {
+        problems.extend(donors.filter(|n| lends && *n < FEWEST_DONORS).map(|donors| {
+            Hindrance::FewDonors {
                 condition: condition.id,
-                why: error.to_string(),
-            });
+                donors,
+                learned_here: design.model().is_none(),
+            }
+        }));
+        if let Some(Err(error)) = model.map(|model| asked_of(model, condition)) {
+            problems
+                .push(Hindrance::NotByModel { condition: condition.id, why: error.to_string() });
         }
     }
     problems
@@ -155,10 +139,7 @@ after = ["mood"]
     }
 
     fn of(design: &str, wording: &str, consent: Option<&str>) -> Vec<Hindrance> {
-        let texts = Texts {
-            consent: consent.map(str::to_owned),
-            ..Texts::default()
-        };
+        let texts = Texts { consent: consent.map(str::to_owned), ..Texts::default() };
         let design = Design::from_toml(design).unwrap();
         hindrances(&design, (&[mood(wording)], &texts), None)
     }
@@ -177,10 +158,7 @@ after = ["mood"]
     #[test]
     fn a_crash_that_is_felt_is_a_hindrance_until_the_consent_names_it() {
         let felt = SOUND.replace("[protocol]\n", "[protocol]\ncrash = \"felt\"\n");
-        assert_eq!(
-            of(&felt, WORDED, Some("You may leave.")),
-            [Hindrance::CrashNotNamed]
-        );
+        assert_eq!(of(&felt, WORDED, Some("You may leave.")), [Hindrance::CrashNotNamed]);
         assert_eq!(of(&felt, WORDED, None), [Hindrance::CrashNotNamed]);
         assert_eq!(of(&felt, WORDED, Some("{crash} You may leave.")), []);
         assert_eq!(of(SOUND, WORDED, Some("{crash}")), [Hindrance::NoCrash]);
@@ -218,25 +196,13 @@ after = ["mood"]
                     known: vec!["mood".to_owned()],
                     nearest: Some("mood".to_owned()),
                 },
-                Hindrance::NoWording {
-                    scale: "mood".to_owned(),
-                    worded: 0,
-                    items: 2,
-                },
-                Hindrance::StyleNotAsked {
-                    score: "mood.total".parse().unwrap(),
-                },
-                Hindrance::SimulatedAgain {
-                    condition: id("sporty"),
-                },
+                Hindrance::NoWording { scale: "mood".to_owned(), worded: 0, items: 2 },
+                Hindrance::StyleNotAsked { score: "mood.total".parse().unwrap() },
+                Hindrance::SimulatedAgain { condition: id("sporty") },
             ]
         );
         let said = crate::SeatError::Unfit(found).to_string();
-        for part in [
-            "- `files.software` is",
-            "did you mean `mood`?",
-            "before = [\"mood\"]",
-        ] {
+        for part in ["- `files.software` is", "did you mean `mood`?", "before = [\"mood\"]"] {
             assert!(said.contains(part), "{said}");
         }
         assert_eq!(said.lines().count(), 7);
@@ -252,10 +218,7 @@ after = ["mood"]
     fn the_style_has_to_be_asked_only_where_somebody_is_learned_from() {
         let unasked = SOUND.replace("before = [\"mood\"]\n", "");
         let score = "mood.total".parse().unwrap();
-        assert_eq!(
-            of(&unasked, WORDED, None),
-            [Hindrance::StyleNotAsked { score }]
-        );
+        assert_eq!(of(&unasked, WORDED, None), [Hindrance::StyleNotAsked { score }]);
         let elsewhere = unasked.replace("[style]", "[model]\nfile = \"lab.maveric\"\n[style]");
         assert_eq!(of(&elsewhere, WORDED, None), [Hindrance::NoModel]);
     }

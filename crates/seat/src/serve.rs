@@ -57,18 +57,14 @@ pub async fn serve(
     wire: Wire,
     tell: impl Fn(&str) + Send + Sync + 'static,
 ) -> Result<Serving, SeatError> {
-    let refused = |problem: String| SeatError::Address {
-        address: address.to_string(),
-        problem,
-    };
+    let refused = |problem: String| SeatError::Address { address: address.to_string(), problem };
     if !address.ip().is_loopback() && matches!(wire, Wire::Here) {
         return Err(refused(
             "others could read what is sent: --tls-cert and --tls-key encrypt it; --plain-http says that a proxy in front does".to_owned(),
         ));
     }
-    let listener = tokio::net::TcpListener::bind(address)
-        .await
-        .map_err(|e| refused(e.to_string()))?;
+    let listener =
+        tokio::net::TcpListener::bind(address).await.map_err(|e| refused(e.to_string()))?;
     let address = listener.local_addr().map_err(|e| refused(e.to_string()))?;
     let shared = Shared {
         seat,
@@ -79,12 +75,7 @@ pub async fn serve(
         unanswered: Arc::default(),
         refusals: Arc::new(Refusals::new(Box::new(tell))),
     };
-    Ok(Serving {
-        listener,
-        wire,
-        router: router(shared),
-        address,
-    })
+    Ok(Serving { listener, wire, router: router(shared), address })
 }
 
 /// Listens and serves until `stop` is set; `ready` is told where, and `tell` of whatever is refused or cannot be kept.
@@ -101,10 +92,7 @@ pub fn run(
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .enable_all()
         .build()
-        .map_err(|e| SeatError::Address {
-            address: address.to_string(),
-            problem: e.to_string(),
-        })?;
+        .map_err(|e| SeatError::Address { address: address.to_string(), problem: e.to_string() })?;
     let (kept, watched) = (Arc::clone(&seat), Arc::clone(&seat));
     runtime.block_on(async {
         let serving = serve(seat, address, wire, tell).await?;
@@ -144,10 +132,7 @@ fn router(shared: Shared) -> Router {
         .route("/api/{token}/own", get(own_drive))
         .route("/api/{token}/open/{tab}", post(open))
         .route("/api/{token}/answer/{step}", post(answer))
-        .route(
-            "/api/{token}/drive/{step}/{attempt}/{tab}",
-            post(intake::drive),
-        )
+        .route("/api/{token}/drive/{step}/{attempt}/{tab}", post(intake::drive))
         .route("/api/{token}/language/{step}/{wanted}", post(language))
         .route("/api/{token}/fit", post(fit))
         .route("/api/{token}/done/{step}", post(done))
@@ -178,9 +163,7 @@ async fn person(State(shared): State<Shared>, Path(token): Path<String>) -> Resp
 async fn join(State(shared): State<Shared>, RawQuery(query): RawQuery) -> Answered<Response> {
     let name = shared.seat.settings.design.protocol().platform.clone();
     let given = url::form_urlencoded::parse(query.as_deref().unwrap_or_default().as_bytes());
-    let id = given
-        .into_iter()
-        .find(|(key, _)| Some(key.as_ref()) == name.as_deref());
+    let id = given.into_iter().find(|(key, _)| Some(key.as_ref()) == name.as_deref());
     let id = id.map(|(_, id)| id.into_owned()).unwrap_or_default();
     let token = shared.blocking(move |seat| seat.join(&id)).await?;
     let token = token.ok_or_else(|| {
@@ -201,10 +184,7 @@ async fn file(Path((version, name)): Path<(String, String)>, headers: HeaderMap)
 
 /// What the page begins with.
 #[derive(Serialize)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each is a fact that the page tells"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a fact that the page tells")]
 struct PageState<'a> {
     title: &'a str,
     synthetic: bool,
@@ -390,14 +370,11 @@ async fn done(
     let position = shared.blocking(move |seat| {
         let (person, found) = seat.store.look(|b| b.at(&token, step))?;
         if step == person.at
-            && let Some(reason) = seat
-                .store
-                .look(|b| b.stopped(&person.participant, (step, &found)))?
+            && let Some(reason) =
+                seat.store.look(|b| b.stopped(&person.participant, (step, &found)))?
         {
             seat.stop_drive(&person, (step, &found), &reason)?;
-            return seat
-                .store
-                .look(|b| Ok::<_, Refused>(b.somebody(&token)?.at));
+            return seat.store.look(|b| Ok::<_, Refused>(b.somebody(&token)?.at));
         }
         match &found {
             Step::Language { .. }

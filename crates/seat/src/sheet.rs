@@ -59,22 +59,17 @@ impl Sheet {
         }
         match found {
             Step::Scale { items, .. } => self.fits(items)?,
-            Step::Text {
-                agree: true, text, ..
-            } if self.agreed && self.answers.is_empty() => {
+            Step::Text { agree: true, text, .. } if self.agreed && self.answers.is_empty() => {
                 self.text_sha256 = Some(token::sha256(text));
             }
             Step::Break { seconds } if self.answers.is_empty() && !self.agreed => {
                 if self.seconds < *seconds {
                     let rested_s = self.seconds;
-                    return Err(format!(
-                        "a rest of {rested_s} s, expected {seconds} s or more"
-                    ));
+                    return Err(format!("a rest of {rested_s} s, expected {seconds} s or more"));
                 }
             }
-            Step::Aftercare {
-                again: Some(probe), ..
-            } if matches!(self.answers[..], [Some(answer)] if probe.takes(answer)) => {}
+            Step::Aftercare { again: Some(probe), .. } if matches!(self.answers[..], [Some(answer)] if probe.takes(answer)) =>
+                {}
             Step::Elsewhere { .. } if self.answers.is_empty() && !self.agreed => {}
             _ if rules.is_some_and(|rules| self.refused.is_none_or(|at| at < rules.len()))
                 && self.answers.is_empty()
@@ -100,9 +95,7 @@ impl Sheet {
         for (number, (asked, answer)) in (1..).zip(items.iter().zip(&self.answers)) {
             if let Some(answer) = answer.filter(|a| !asked.item.takes(*a)) {
                 let range = asked.item.range();
-                return Err(format!(
-                    "item {number}: {answer}, expected {range} or left out"
-                ));
+                return Err(format!("item {number}: {answer}, expected {range} or left out"));
             }
         }
         for (number, text) in &self.texts {
@@ -186,25 +179,13 @@ mod tests {
             assert!(kept.contains(words) && kept.contains(answers), "{kept}");
         }
         for (answers, words, said) in [
-            (
-                "[96,null,null,null]",
-                "{}",
-                "item 1: 96, expected 0 to 100 by 5",
-            ),
+            ("[96,null,null,null]", "{}", "item 1: 96, expected 0 to 100 by 5"),
             ("[null,3,null,null]", "{}", "item 2: 3, expected 1 to 2"),
             ("[null,null,17,null]", "{}", "item 3: 17, expected 18 to 99"),
             ("[null,null,null,0]", "{}", "item 4: 0, expected words"),
             ("[null,null,null]", "{}", "expected 4 answers"),
-            (
-                "[null,null,null,null]",
-                "{\"1\":\"cars\"}",
-                "item 1: a text",
-            ),
-            (
-                "[null,null,null,null]",
-                "{\"5\":\"cars\"}",
-                "item 5: a text",
-            ),
+            ("[null,null,null,null]", "{\"1\":\"cars\"}", "item 1: a text"),
+            ("[null,null,null,null]", "{\"5\":\"cars\"}", "item 5: a text"),
             ("[1.5,null,null,null]", "{}", "expected i32"),
         ] {
             let body = format!("{{\"answers\":{answers},\"texts\":{words},\"seconds\":3}}");

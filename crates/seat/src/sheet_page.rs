@@ -54,19 +54,12 @@ pub fn write_sheet_pages(
 /// Why there is no page of a questionnaire, whoever asks it.
 fn lacking(hindrance: &Hindrance) -> String {
     match hindrance {
-        Hindrance::NoWording {
-            scale,
-            worded,
-            items,
-        } => format!("scale `{scale}` has wording for {worded} of {items} items"),
-        Hindrance::NoTranslation {
-            scale,
-            language,
-            languages,
-        } => format!(
-            "scale `{scale}` is there in {}, not in `{language}`",
-            languages.join(", ")
-        ),
+        Hindrance::NoWording { scale, worded, items } => {
+            format!("scale `{scale}` has wording for {worded} of {items} items")
+        }
+        Hindrance::NoTranslation { scale, language, languages } => {
+            format!("scale `{scale}` is there in {}, not in `{language}`", languages.join(", "))
+        }
         other => other.to_string(),
     }
 }
@@ -95,9 +88,7 @@ mod tests {
     fn a_page_holds_all_that_it_needs_and_no_answer_that_is_expected() {
         let scale = "id = \"read\"\ntitle = \"Read <b>\"\nreference = \"made up\"\nmin = 1\nmax = 7\n\
                      [[item]]\ntext = \"Tick </script> 2.\"\nexpected = 2\n[translation.de]\nitems = [\"Kreuzen Sie 2 an.\"]\n";
-        let bare = scale
-            .replace("text = \"Tick </script> 2.\"\n", "")
-            .replace("read", "bare");
+        let bare = scale.replace("text = \"Tick </script> 2.\"\n", "").replace("read", "bare");
         let bare = bare.split("[translation").next().unwrap().to_owned();
         let scales = [scale, &bare].map(|text| Scale::from_toml(text).unwrap());
         let folder = tempfile::tempdir().unwrap();
@@ -119,10 +110,7 @@ mod tests {
         let page = read();
         assert!(page.contains("Kreuzen Sie 2 an.") && page.contains("Weiter"));
         let none = write_in("language = \"nl\"").unwrap();
-        assert!(
-            none.written.is_empty() && none.lacking[0].contains("not in `nl`"),
-            "{none:?}"
-        );
+        assert!(none.written.is_empty() && none.lacking[0].contains("not in `nl`"), "{none:?}");
     }
 
     /// A study with this in its `[protocol]`.
@@ -152,10 +140,7 @@ mod tests {
         assert!(page.contains("\"continue\":\"Auf zur nächsten Seite\""));
         assert!(page.contains("Ich lese.") && !page.contains("\"Weiter\""));
         let refused = written("kontinue = \"Weiter\"").unwrap_err().to_string();
-        assert!(
-            refused.contains("words.toml") && refused.contains("`kontinue`"),
-            "{refused}"
-        );
+        assert!(refused.contains("words.toml") && refused.contains("`kontinue`"), "{refused}");
         std::fs::remove_file(folder.path().join("words.toml")).unwrap();
         let study = study_in(folder.path(), "language = \"de\"\nwords = \"words.toml\"");
         let gone = write_sheet_pages(&scales, Some(&study), folder.path());

@@ -55,9 +55,7 @@ pub enum Step {
         chosen: Option<String>,
     },
     /// What the computer must have; the page judges, and no number leaves it.
-    Computer {
-        needs: Vec<Need>,
-    },
+    Computer { needs: Vec<Need> },
     /// Scales by which the page judges who takes part; no answer leaves it.
     Screen {
         /// A page each, of the kind [`Step::Scale`].
@@ -280,24 +278,11 @@ impl Step {
     /// What is driven or ridden here, also elsewhere.
     pub(crate) fn ride(&self) -> Option<Ride> {
         match self {
-            Self::Drive {
-                condition,
-                occasion,
-                ..
+            Self::Drive { condition, occasion, .. }
+            | Self::Ride { condition, occasion, .. }
+            | Self::Elsewhere { condition, occasion, .. } => {
+                Some(Ride { condition: *condition, occasion: *occasion })
             }
-            | Self::Ride {
-                condition,
-                occasion,
-                ..
-            }
-            | Self::Elsewhere {
-                condition,
-                occasion,
-                ..
-            } => Some(Ride {
-                condition: *condition,
-                occasion: *occasion,
-            }),
             _ => None,
         }
     }
@@ -331,23 +316,12 @@ impl Step {
         // A number is a ride's alone within its session; a trial would say which condition comes again.
         let first = Occasion::FIRST.trial;
         match &mut step {
-            Self::Ride {
-                condition,
-                occasion,
-                ..
-            }
-            | Self::Elsewhere {
-                condition,
-                occasion,
-                ..
-            } => {
+            Self::Ride { condition, occasion, .. }
+            | Self::Elsewhere { condition, occasion, .. } => {
                 *condition = self.ride().and_then(coded).unwrap_or(*condition);
                 occasion.trial = first;
             }
-            Self::Scale {
-                moment: Moment::After(ride),
-                ..
-            } => {
+            Self::Scale { moment: Moment::After(ride), .. } => {
                 ride.condition = coded(*ride).unwrap_or(ride.condition);
                 ride.occasion.trial = first;
             }
@@ -459,20 +433,12 @@ pub(crate) fn worded_scale<'a>(
     let (worded, items) = (wording.worded(), scale.items.len());
     if worded != items {
         let scale = id.to_owned();
-        return Err(Hindrance::NoWording {
-            scale,
-            worded,
-            items,
-        });
+        return Err(Hindrance::NoWording { scale, worded, items });
     }
     let items = scale.items.iter().zip(&wording.items);
     let shown = |(item, words): (&Item, &ItemWords)| Asked {
         // What the answers are scored and judged by is not for the page.
-        item: Item {
-            reversed: false,
-            expected: None,
-            ..item.clone()
-        },
+        item: Item { reversed: false, expected: None, ..item.clone() },
         words: words.clone(),
     };
     Ok((scale, wording, items.map(shown).collect()))

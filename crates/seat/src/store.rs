@@ -81,11 +81,7 @@ impl Store {
                 expected: VERSION,
             });
         }
-        Ok(Self {
-            path: path.to_owned(),
-            connection: Mutex::new(connection),
-            _alone: alone,
-        })
+        Ok(Self { path: path.to_owned(), connection: Mutex::new(connection), _alone: alone })
     }
 
     /// Asks and writes in one transaction: all of it is kept, or nothing.
@@ -116,10 +112,7 @@ impl Store {
         let mut connection = held(&self.connection);
         let transaction = connection.transaction_with_behavior(behaviour);
         let transaction = transaction.map_err(bad)?;
-        let done = work(&Books {
-            connection: &transaction,
-            path: &self.path,
-        })?;
+        let done = work(&Books { connection: &transaction, path: &self.path })?;
         transaction.commit().map_err(bad)?;
         Ok(done)
     }
@@ -192,9 +185,7 @@ fn alone(path: &Path) -> Result<File, SeatError> {
                 std::thread::sleep(LOOKED_EVERY);
             }
             Err(std::fs::TryLockError::WouldBlock) => {
-                return Err(SeatError::InUse {
-                    path: path.to_owned(),
-                });
+                return Err(SeatError::InUse { path: path.to_owned() });
             }
             Err(std::fs::TryLockError::Error(source)) => return Err(io(source)),
         }
@@ -213,8 +204,7 @@ fn owners_alone(path: &Path, makes: bool) -> Result<(), SeatError> {
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let file = options.open(path).map_err(io)?;
     #[cfg(unix)]
-    file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o600))
-        .map_err(io)?;
+    file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(0o600)).map_err(io)?;
     drop(file);
     Ok(())
 }
@@ -229,9 +219,7 @@ mod tests {
         let path = folder.path().join("seat.db");
         for found in [0, VERSION - 1, VERSION + 1] {
             let other = Connection::open(&path).unwrap();
-            other
-                .execute_batch("CREATE TABLE IF NOT EXISTS person (token TEXT)")
-                .unwrap();
+            other.execute_batch("CREATE TABLE IF NOT EXISTS person (token TEXT)").unwrap();
             other.pragma_update(None, "user_version", found).unwrap();
             let refused = Store::open(&path).err().unwrap();
             let told = format!("found version {found} of the seat's state, expected {VERSION}");

@@ -64,10 +64,7 @@ mod tests {
     #[test]
     fn an_event_has_a_line_of_data_for_each_line_of_its_text() {
         assert_eq!(event("people", "<tr>"), "event: people\ndata: <tr>\n\n");
-        assert_eq!(
-            event("x", "a\rb\nc"),
-            "event: x\ndata: a\ndata: b\ndata: c\n\n"
-        );
+        assert_eq!(event("x", "a\rb\nc"), "event: x\ndata: a\ndata: b\ndata: c\n\n");
         assert_eq!(event("x", ""), "event: x\ndata: \n\n");
     }
 }

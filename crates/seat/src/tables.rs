@@ -94,13 +94,9 @@ pub(crate) fn write_answers(
     }
     // Beside its condition a moment stands where a word alone would not do.
     let steps = given.iter().flat_map(|(person, _)| &person.steps);
-    let moments: Vec<Moment> = steps
-        .filter_map(scale_and_moment)
-        .map(|(_, moment)| moment)
-        .collect();
-    let beside = moments
-        .iter()
-        .any(|moment| matches!(moment, Moment::Probe(_) | Moment::Post));
+    let moments: Vec<Moment> =
+        steps.filter_map(scale_and_moment).map(|(_, moment)| moment).collect();
+    let beside = moments.iter().any(|moment| matches!(moment, Moment::Probe(_) | Moment::Post));
     let beside = beside || path.is_file() && Table::read(path)?.has(CONDITION);
     let repeats = moments
         .iter()
@@ -115,9 +111,7 @@ pub(crate) fn write_answers(
     for row in &mut rows {
         row.retain(|column, _| columns.contains(&column.as_str()));
         if beside && let Some(moment) = row.get_mut("moment") {
-            *moment = moment
-                .parse()
-                .map_or(moment.clone(), |m| moment_word(m).to_owned());
+            *moment = moment.parse().map_or(moment.clone(), |m| moment_word(m).to_owned());
         }
     }
     merge(path, &columns, (&rows, &[]))
@@ -131,9 +125,7 @@ const AT_S: &str = "at_s";
 fn scale_and_moment(step: &Step) -> Option<(&str, Moment)> {
     match step {
         Step::Scale { scale, moment, .. } => Some((scale, *moment)),
-        Step::Ride {
-            probe: Some(probe), ..
-        } => {
+        Step::Ride { probe: Some(probe), .. } => {
             let (ride, _) = step.drives()?;
             Some((&probe.scale, Moment::probe(ride)))
         }
@@ -152,11 +144,7 @@ fn sheets_in(path: &Path) -> Result<Option<BTreeSet<SheetPlace>>, SeatError> {
     let moments = moments(&table)?;
     let rows = who.into_iter().zip(moments).zip(scale);
     let place = |((who, moment), scale): ((Option<String>, Moment), Option<String>)| {
-        (
-            who.unwrap_or_default(),
-            moment.to_string(),
-            scale.unwrap_or_default(),
-        )
+        (who.unwrap_or_default(), moment.to_string(), scale.unwrap_or_default())
     };
     Ok(Some(rows.map(place).collect()))
 }
@@ -169,12 +157,7 @@ fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row
             ("moment", moment.on(Occasion::FIRST).to_string()),
             ("session", occasion.session.to_string()),
             ("trial", occasion.trial.to_string()),
-            (
-                CONDITION,
-                moment
-                    .condition()
-                    .map_or_else(String::new, |c| c.to_string()),
-            ),
+            (CONDITION, moment.condition().map_or_else(String::new, |c| c.to_string())),
             ("scale", scale.to_owned()),
             ("item", item.to_string()),
             ("answer", answer.map_or_else(String::new, |a| a.to_string())),
@@ -182,21 +165,15 @@ fn rows_of((who, moment, scale): (&str, Moment, &str), sheet: &Sheet) -> Vec<Row
         ];
         let words = sheet.texts.get(&item).map(|words| ("text", words.clone()));
         let cells = cells.into_iter().chain(words);
-        cells
-            .map(|(column, cell)| (column.to_owned(), cell))
-            .collect()
+        cells.map(|(column, cell)| (column.to_owned(), cell)).collect()
     };
     if let Moment::Probe(_) = moment {
         let probes = sheet.probes.iter();
-        return probes
-            .map(|(at_s, answer)| row(1, *answer, (AT_S, at_s.to_string())))
-            .collect();
+        return probes.map(|(at_s, answer)| row(1, *answer, (AT_S, at_s.to_string()))).collect();
     }
     let each_s = sheet.seconds / sheet.answers.len().max(1) as f64;
     let answers = (1..).zip(&sheet.answers);
-    answers
-        .map(|(item, answer)| row(item, *answer, ("seconds", format!("{each_s:.3}"))))
-        .collect()
+    answers.map(|(item, answer)| row(item, *answer, ("seconds", format!("{each_s:.3}")))).collect()
 }
 
 /// Adds to the table of people who is not in it yet, and takes out whoever is `without`; who was taken out by hand stays out.
@@ -227,11 +204,7 @@ pub(crate) fn write_people(
 fn row(design: &Design, person: &Person) -> Row {
     let rides = person.rides();
     let people = design.people();
-    let wanted = if rides.is_empty() {
-        &people.learn
-    } else {
-        &people.test
-    };
+    let wanted = if rides.is_empty() { &people.learn } else { &people.test };
     let mut row: Row = wanted.clone().unwrap_or_default();
     row.insert("participant".to_owned(), person.participant.clone());
     row.insert("order".to_owned(), rides.join(" "));
@@ -257,10 +230,7 @@ fn merge(
         None => Vec::new(),
     };
     let goes = |who: &String| without.contains(who);
-    let stays: Vec<bool> = people
-        .iter()
-        .map(|who| !who.as_ref().is_some_and(goes))
-        .collect();
+    let stays: Vec<bool> = people.iter().map(|who| !who.as_ref().is_some_and(goes)).collect();
     let mut table = TableBuilder::default();
     for column in &columns {
         let before = match &standing {
@@ -269,9 +239,7 @@ fn merge(
         };
         let before = before.into_iter().zip(&stays);
         let before = before.filter(|(_, stays)| **stays).map(|(cell, _)| cell);
-        let new = added
-            .iter()
-            .map(|row| row.get(column).filter(|c| !c.is_empty()).cloned());
+        let new = added.iter().map(|row| row.get(column).filter(|c| !c.is_empty()).cloned());
         table = table.cells(column, before.chain(new));
     }
     Ok(table.write(path)?)
@@ -295,11 +263,7 @@ mod tests {
             // Written back by hand.
             (TakenOut, true, true, (Written, false)),
         ] {
-            assert_eq!(
-                listed(before, stands, table),
-                expected,
-                "{before:?} {stands} {table}"
-            );
+            assert_eq!(listed(before, stands, table), expected, "{before:?} {stands} {table}");
         }
     }
 

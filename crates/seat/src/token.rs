@@ -9,18 +9,13 @@ use sha2::{Digest as _, Sha256};
 /// [`SeatError::Random`] if the system has none.
 pub(crate) fn new() -> Result<String, SeatError> {
     let mut bytes = [0_u8; 16];
-    getrandom::fill(&mut bytes).map_err(|e| SeatError::Random {
-        problem: e.to_string(),
-    })?;
+    getrandom::fill(&mut bytes).map_err(|e| SeatError::Random { problem: e.to_string() })?;
     Ok(hex(&bytes))
 }
 
 /// Whether a text could be a token: nothing else is looked up.
 pub(crate) fn possible(text: &str) -> bool {
-    text.len() == 32
-        && text
-            .bytes()
-            .all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
+    text.len() == 32 && text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b))
 }
 
 /// SHA-256, as hexadecimal digits.
@@ -54,13 +49,7 @@ mod tests {
     fn tokens_are_long_each_its_own_and_nothing_else_passes_for_one() {
         let (one, other) = (new().unwrap(), new().unwrap());
         assert!(possible(&one) && one != other);
-        for text in [
-            "",
-            "../../etc/passwd",
-            &one[1..],
-            &one.to_uppercase(),
-            &format!("{one}0"),
-        ] {
+        for text in ["", "../../etc/passwd", &one[1..], &one.to_uppercase(), &format!("{one}0")] {
             assert!(!possible(text) || text == one, "{text}");
         }
         assert!(same_secret("x", "x") && !same_secret("x", "y"));

@@ -19,10 +19,7 @@ pub(crate) fn model(model: &Model) -> Result<Vec<u8>, SeatError> {
 
 /// A step whose style is drawn with that file.
 pub(crate) fn step(model: Option<&Model>, mut step: Step) -> Result<Step, SeatError> {
-    if let Step::Ride {
-        style: RideStyle::Lent { withheld, .. },
-        ..
-    } = &mut step
+    if let Step::Ride { style: RideStyle::Lent { withheld, .. }, .. } = &mut step
         && let Some(model) = model
     {
         let named = std::mem::take(withheld);

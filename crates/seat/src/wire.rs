@@ -44,10 +44,7 @@ impl Wire {
 }
 
 fn refused(file: &Path, problem: &impl ToString) -> SeatError {
-    SeatError::Certificate {
-        path: PathBuf::from(file),
-        problem: problem.to_string(),
-    }
+    SeatError::Certificate { path: PathBuf::from(file), problem: problem.to_string() }
 }
 
 #[cfg(feature = "tls")]

@@ -18,10 +18,8 @@ use std::{
 type Sentences = BTreeMap<String, String>;
 
 /// The languages that the seat speaks by itself.
-const SHIPPED: [(&str, &str); 2] = [
-    (ENGLISH, include_str!("../words/en.toml")),
-    ("de", include_str!("../words/de.toml")),
-];
+const SHIPPED: [(&str, &str); 2] =
+    [(ENGLISH, include_str!("../words/en.toml")), ("de", include_str!("../words/de.toml"))];
 const ENGLISH: &str = "en";
 /// How the name of a sentence of the experimenter's page begins.
 const TO_EXPERIMENTER: &str = "lab_";
@@ -62,10 +60,7 @@ pub struct Words {
 
 impl Default for Words {
     fn default() -> Self {
-        Self {
-            language: ENGLISH.to_owned(),
-            sentences: IN_ENGLISH.clone(),
-        }
+        Self { language: ENGLISH.to_owned(), sentences: IN_ENGLISH.clone() }
     }
 }
 
@@ -147,10 +142,7 @@ impl Words {
                 ),
             ));
         }
-        Ok(Self {
-            language: language.to_owned(),
-            sentences,
-        })
+        Ok(Self { language: language.to_owned(), sentences })
     }
 
     /// Those of a language that the seat speaks by itself; English for another.
@@ -200,9 +192,7 @@ pub(crate) fn in_language(protocol: &Protocol, path: &Path, language: &str) -> P
 /// What is filled in, in a sentence.
 fn parts(sentence: &str) -> BTreeSet<&str> {
     let after = sentence.split('{').skip(1);
-    after
-        .filter_map(|rest| Some(rest.split_once('}')?.0))
-        .collect()
+    after.filter_map(|rest| Some(rest.split_once('}')?.0)).collect()
 }
 
 #[cfg(test)]
@@ -246,9 +236,7 @@ mod tests {
 
     /// What the scripts and the page name, between these marks.
     fn named(files: &[(PathBuf, String)], before: &str) -> BTreeSet<String> {
-        let texts = files
-            .iter()
-            .flat_map(|(_, text)| text.split(before).skip(1));
+        let texts = files.iter().flat_map(|(_, text)| text.split(before).skip(1));
         let names = texts.filter_map(|rest| Some(rest.split_once('"')?.0.to_owned()));
         names.collect()
     }
@@ -268,13 +256,8 @@ mod tests {
         let unknown: Vec<_> = said.iter().filter(|name| !all(name)).collect();
         assert!(unknown.is_empty(), "{unknown:?}");
         // Some are chosen between two, or named in a list; some are said by the server alone.
-        let by_server = [
-            "withdraw_sentence",
-            "crash_sentence",
-            "lend_sentence",
-            "aftercare",
-            "debrief_title",
-        ];
+        let by_server =
+            ["withdraw_sentence", "crash_sentence", "lend_sentence", "aftercare", "debrief_title"];
         let by_page = |name: &&String| !by_server.contains(&name.as_str());
         let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
         let sources: Vec<String> = std::fs::read_dir(sources)
@@ -292,10 +275,7 @@ mod tests {
             };
             assert!(used, "`{name}` is said nowhere");
         }
-        for (path, text) in files
-            .iter()
-            .filter(|(p, _)| p.extension().is_some_and(|e| e == "ts"))
-        {
+        for (path, text) in files.iter().filter(|(p, _)| p.extension().is_some_and(|e| e == "ts")) {
             for (number, line) in (1..).zip(text.lines()) {
                 let code = line.split("//").next().unwrap();
                 for string in code.split('"').skip(1).step_by(2) {
@@ -324,10 +304,7 @@ mod tests {
         let all = IN_ENGLISH.len();
         let lacks = format!("{} of its {all}", all - 1);
         assert!(told.contains("`fr`") && told.contains(&lacks), "{told}");
-        assert!(
-            told.contains("aborted, ") && told.contains("en, de"),
-            "{told}"
-        );
+        assert!(told.contains("aborted, ") && told.contains("en, de"), "{told}");
         let whole = toml::to_string(&*IN_ENGLISH).unwrap();
         assert_eq!(of("fr", Some(&whole)).unwrap().language, "fr");
         // What is said where styles are lent has to be there where they are, and nowhere else.
@@ -337,10 +314,7 @@ mod tests {
         let told = refused("fr", Some(&without));
         assert!(told.contains(WHERE_STYLES_ARE_LENT), "{told}");
         let file = Some((Path::new("words.toml"), without.as_str()));
-        assert_eq!(
-            Words::for_language("fr", file, false).unwrap().language,
-            "fr"
-        );
+        assert_eq!(Words::for_language("fr", file, false).unwrap().language, "fr");
     }
 
     #[test]
@@ -354,10 +328,7 @@ mod tests {
         };
         let here = "[people]\nlearn = { part = \"learn\" }";
         let elsewhere = "[model]\nfile = \"lab.maveric\"";
-        let (tested, learned) = (
-            "other = \"matched\"",
-            "other = \"matched\", from = \"learned\"",
-        );
+        let (tested, learned) = ("other = \"matched\"", "other = \"matched\", from = \"learned\"");
         assert!(may(here, tested) && may(here, learned) && may(elsewhere, tested));
         assert!(!may(elsewhere, learned) && !may(here, "mean = true"));
     }
@@ -365,10 +336,7 @@ mod tests {
     #[test]
     fn a_sentence_that_the_seat_does_not_say_or_cannot_fill_in_is_refused() {
         let told = refused("en", Some("begins = \"Go\""));
-        assert!(
-            told.contains("`begins`") && told.contains("`begin`"),
-            "{told}"
-        );
+        assert!(told.contains("`begins`") && told.contains("`begin`"), "{told}");
         let told = refused("en", Some("ride = \"Ride {nr}\""));
         assert!(told.contains("{nr}") && told.contains("{number}"), "{told}");
         let told = refused("en", Some("begin = 3"));

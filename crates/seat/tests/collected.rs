@@ -40,29 +40,16 @@ fn pages_presses_practice_consent_and_notes_reach_tables_and_go_with_the_person(
     let sheets = of("P001", "answered");
     let moments: Vec<&str> = sheets.iter().filter_map(|r| r.moment.as_deref()).collect();
     assert_eq!(moments, ["pre", "calm", "sporty"]);
-    assert!(
-        sheets
-            .iter()
-            .all(|row| row.page == "mood" && row.value == Some(6.0))
-    );
+    assert!(sheets.iter().all(|row| row.page == "mood" && row.value == Some(6.0)));
     let dial = of("P001", "dial");
     assert_eq!((dial.len(), dial[0].page.as_str()), (1, "sporty"));
     assert_eq!((dial[0].time_s, dial[0].value), (Some(3.0), Some(5.0)));
-    let practice: Vec<&str> = events
-        .iter()
-        .filter(|row| row.page == "practice")
-        .map(|row| row.what.as_str())
-        .collect();
+    let practice: Vec<&str> =
+        events.iter().filter(|row| row.page == "practice").map(|row| row.what.as_str()).collect();
     assert_eq!(practice.first(), Some(&"begun"));
-    assert!(
-        practice.last().unwrap().starts_with("practice"),
-        "{practice:?}"
-    );
+    assert!(practice.last().unwrap().starts_with("practice"), "{practice:?}");
     assert_eq!(of("P001", "done").len(), 1);
-    assert_eq!(
-        (of("P002", "answered").len(), of("P002", "done").len()),
-        (1, 0)
-    );
+    assert_eq!((of("P002", "answered").len(), of("P002", "done").len()), (1, 0));
 
     let consents: Vec<ConsentRow> =
         read_consents(&folder.path().join("seat/consents.csv")).unwrap();
@@ -75,10 +62,7 @@ fn pages_presses_practice_consent_and_notes_reach_tables_and_go_with_the_person(
     assert_eq!(consents[0].text_sha256, consents[1].text_sha256);
     let notes: Vec<NoteRow> = rows(folder.path(), "notes.csv");
     let note = notes.iter().find(|note| note.by == "experimenter").unwrap();
-    assert_eq!(
-        (note.text.as_str(), &note.participant),
-        ("the window was open", &None)
-    );
+    assert_eq!((note.text.as_str(), &note.participant), ("the window was open", &None));
     assert!(notes.iter().any(|note| note.by == "seat"));
 
     // Whoever is forgotten is in none of them, and the others stay to the byte.
@@ -90,10 +74,8 @@ fn pages_presses_practice_consent_and_notes_reach_tables_and_go_with_the_person(
     }
     server.seat.write_files().unwrap();
     let left: Vec<EventRow> = rows(folder.path(), "events.csv");
-    let second: Vec<EventRow> = events
-        .into_iter()
-        .filter(|r| r.participant.as_str() == "P002")
-        .collect();
+    let second: Vec<EventRow> =
+        events.into_iter().filter(|r| r.participant.as_str() == "P002").collect();
     assert_eq!(left, second);
 }
 
@@ -114,15 +96,9 @@ fn what_was_driven_before_somebody_left_is_a_log_where_it_is_kept() {
     let said = read(folder.path(), "seat/notes.csv");
     assert!(said.contains("P001-own"), "{said}");
     let events: Vec<EventRow> = rows(folder.path(), "events.csv");
-    let drive: Vec<&str> = events
-        .iter()
-        .filter(|row| row.page == "own")
-        .map(|row| row.what.as_str())
-        .collect();
-    assert_eq!(
-        (drive.first(), drive.last()),
-        (Some(&"begun"), Some(&"cut short"))
-    );
+    let drive: Vec<&str> =
+        events.iter().filter(|row| row.page == "own").map(|row| row.what.as_str()).collect();
+    assert_eq!((drive.first(), drive.last()), (Some(&"begun"), Some(&"cut short")));
     assert_eq!(events.last().unwrap().what, "left");
     // Pressed again: the same.
     assert_eq!(server.post(&leave, r#"{"keep":true}"#).0, 200);
@@ -222,9 +198,7 @@ fn whoever_was_learned_from_and_did_not_tick_the_box_lends_nothing_and_no_page_i
     assert!(!state.to_string().contains("P002"), "{state}");
     // The second and the third that the model learned from.
     let steps = state["steps"].as_array().unwrap().iter();
-    let lent: Vec<_> = steps
-        .filter(|step| step["style"]["lent"].is_object())
-        .collect();
+    let lent: Vec<_> = steps.filter(|step| step["style"]["lent"].is_object()).collect();
     assert_eq!(lent.len(), 1, "{state}");
     let withheld = &lent[0]["style"]["lent"]["withheld"];
     assert_eq!(*withheld, json!(["D2", "D3"]));
@@ -264,8 +238,7 @@ fn whoever_is_learned_from_is_asked_for_their_style_and_is_forgotten_with_the_an
     let path = folder.path().join("seat/consents.csv");
     let kept = || -> Vec<(String, Option<bool>)> {
         let rows = read_consents(&path).unwrap().into_iter();
-        rows.map(|row| (row.participant.to_string(), row.style_lent))
-            .collect()
+        rows.map(|row| (row.participant.to_string(), row.style_lent)).collect()
     };
     let row = |who: &str, style_lent| (who.to_owned(), style_lent);
     let others = [row("P002", Some(false)), row("P003", None)];

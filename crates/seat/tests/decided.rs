@@ -56,20 +56,13 @@ fn a_ride_is_driven_longer_for_a_reason_before_it_begins_and_within_what_a_drive
     let (status, reply) = server.post(&path, &(head + "\n"));
     assert_eq!(status, 200, "{reply}");
     let body = "act=extend&minutes=1&reason=late";
-    replies(
-        lab_post(&server, &format!("/lab/step/P001/{next}"), body),
-        400,
-        "has begun",
-    );
+    replies(lab_post(&server, &format!("/lab/step/P001/{next}"), body), 400, "has begun");
     server.seat.write_files().unwrap();
     drop(server);
     let server = Server::open(folder.path());
     let events = text(folder.path(), "seat/events.csv");
     assert!(events.contains("extended by 0.5 min: late"), "{events}");
-    assert_eq!(
-        server.state(&token)["steps"][ride as usize]["seconds"],
-        40.0
-    );
+    assert_eq!(server.state(&token)["steps"][ride as usize]["seconds"], 40.0);
 }
 
 #[test]
@@ -78,11 +71,7 @@ fn who_is_marked_is_out_of_the_analysis_by_name_until_it_is_taken_back() {
     while go_on(&server, &token) {}
     let stopped = || text(folder.path(), "seat/stopped.csv");
     let exclude = |who: &str, reason: &str| {
-        lab_post(
-            &server,
-            &format!("/lab/exclude/{who}"),
-            &format!("reason={reason}"),
-        )
+        lab_post(&server, &format!("/lab/exclude/{who}"), &format!("reason={reason}"))
     };
     assert_eq!(stopped(), "");
     replies(exclude("P001", "+"), 400, "say why");
@@ -95,10 +84,7 @@ fn who_is_marked_is_out_of_the_analysis_by_name_until_it_is_taken_back() {
     let rows = stopped();
     for condition in ["own", "calm", "sporty"] {
         let row = rows.lines().find(|l| l.contains(&format!(",{condition},")));
-        assert!(
-            row.is_some_and(|row| row.ends_with("excluded: fell asleep")),
-            "{rows}"
-        );
+        assert!(row.is_some_and(|row| row.ends_with("excluded: fell asleep")), "{rows}");
     }
     assert_eq!(rows.lines().count(), 4, "{rows}");
     assert!(text(folder.path(), "seat/events.csv").contains("excluded: fell asleep"));
@@ -135,10 +121,7 @@ fn a_crash_ends_a_drive_which_counts_as_far_as_it_went_and_is_said() {
     assert_eq!(here(&server, &token).1["kind"], "ride");
     assert!(folder.path().join("logs/seat/P001-own.mcap").is_file());
     let lab = lab(&server);
-    tells(
-        &lab,
-        &["P001-own: the car hit another vehicle after 7 s, and the drive ended there"],
-    );
+    tells(&lab, &["P001-own: the car hit another vehicle after 7 s, and the drive ended there"]);
     // What was driven without one is said nothing of.
     while go_on(&server, &token) {}
     let events = text(folder.path(), "seat/events.csv");
@@ -170,11 +153,7 @@ fn a_rest_lasts_as_long_as_the_study_says_and_stands_in_the_events() {
     let token = opened(&server);
     let (at, step) = until(&server, &token, "break");
     assert_eq!(step["at_least_s"], 30.0);
-    replies(
-        server.post(&format!("/api/{token}/done/{at}"), "null"),
-        400,
-        "asked here",
-    );
+    replies(server.post(&format!("/api/{token}/done/{at}"), "null"), 400, "asked here");
     let rest = |seconds: u32| {
         let path = format!("/api/{token}/answer/{at}");
         server.post(&path, &format!("{{\"seconds\":{seconds}}}"))

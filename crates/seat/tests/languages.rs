@@ -24,36 +24,14 @@ fn everything_after_the_choice_is_in_the_language_that_was_chosen() {
     let (german, english) = (opened(&server), opened(&server));
     let page = |server: &Server, token: &str| server.ask("GET", &format!("/p/{token}"), "", &[]).1;
     for (token, language, said) in [
-        (
-            &german,
-            "de",
-            [
-                "Ich bin ruhig.",
-                "Sie können jederzeit gehen.",
-                "lang=\"de\"",
-            ],
-        ),
-        (
-            &english,
-            "en",
-            [
-                "I am <i>calm</i>.",
-                "You may leave at any time.",
-                "lang=\"en\"",
-            ],
-        ),
+        (&german, "de", ["Ich bin ruhig.", "Sie können jederzeit gehen.", "lang=\"de\""]),
+        (&english, "en", ["I am <i>calm</i>.", "You may leave at any time.", "lang=\"en\""]),
     ] {
         let state = server.state(token);
         assert_eq!(state["steps"][0]["kind"], "language");
-        assert_eq!(
-            state["steps"][0]["languages"],
-            serde_json::json!(["en", "de"])
-        );
+        assert_eq!(state["steps"][0]["languages"], serde_json::json!(["en", "de"]));
         let other = server.post(&format!("/api/{token}/language/0/fr"), "null");
-        assert!(
-            other.0 == 400 && other.1.contains("expected en, de"),
-            "{other:?}"
-        );
+        assert!(other.0 == 400 && other.1.contains("expected en, de"), "{other:?}");
         let who = if language == "de" { "P001" } else { "P002" };
         server.seat.extend(who, 0, 0.1, "to be sure").unwrap();
         // Sent twice, as after a lost reply.

@@ -26,12 +26,8 @@ fn a_ride_that_is_skipped_is_kept_as_far_as_it_went_and_left_out_by_name_and_the
     server.post(&format!("/lab/step/P001/{ride}"), body);
     replies(act(&server, ride, "skip", "+"), 400, "say why");
     assert_eq!(server.state(&token)["at"], ride);
-    let (_, asks) = server.ask(
-        "GET",
-        &format!("/lab/step/P001/{ride}"),
-        "",
-        &[("Cookie", &entered(&server))],
-    );
+    let (_, asks) =
+        server.ask("GET", &format!("/lab/step/P001/{ride}"), "", &[("Cookie", &entered(&server))]);
     tells(&asks, &[&format!("Step {} of P001", ride + 1)]);
     // A form each: Enter in a field of one does nothing of another.
     for act in ["skip", "repeat", "abort", "extend"] {
@@ -64,26 +60,17 @@ fn a_ride_that_is_skipped_is_kept_as_far_as_it_went_and_left_out_by_name_and_the
     let row = events.lines().find(|l| l.contains("skipped")).unwrap();
     let number = ride + 1;
     assert!(
-        row.starts_with(&format!(
-            "P001,{number},calm,,,4.0,skipped: the wheel came loose,,20"
-        )),
+        row.starts_with(&format!("P001,{number},calm,,,4.0,skipped: the wheel came loose,,20")),
         "{row}"
     );
     assert!(events.contains(",sporty,,1,10.0,ended,"), "{events}");
     let notes = read("seat/notes.csv");
     assert!(
-        notes.contains(&format!(
-            "P001,seat,step {number}: skipped: the wheel came loose"
-        )),
+        notes.contains(&format!("P001,seat,step {number}: skipped: the wheel came loose")),
         "{notes}"
     );
     for ride in ["calm", "sporty"] {
-        assert!(
-            folder
-                .path()
-                .join(format!("logs/seat/P001-{ride}.mcap"))
-                .is_file()
-        );
+        assert!(folder.path().join(format!("logs/seat/P001-{ride}.mcap")).is_file());
     }
     server.seat.forget("P001").unwrap();
     let state = fs::read(folder.path().join("seat/seat.db")).unwrap();
@@ -102,17 +89,10 @@ fn who_is_aborted_drives_no_more_is_told_the_aftercare_and_is_through() {
     assert_eq!(state["aborted"], true);
     let at = state["at"].as_u64().unwrap();
     assert_eq!(state["steps"][at as usize]["kind"], "aftercare");
-    replies(
-        act(&server, at, "abort", "again"),
-        400,
-        "nothing is driven any more",
-    );
+    replies(act(&server, at, "abort", "again"), 400, "nothing is driven any more");
     finish(&server, &token);
     let stopped = read(folder.path(), "seat/stopped.csv");
-    assert!(
-        stopped.ends_with("\nP001,own,0.0,aborted: fire alarm\n"),
-        "{stopped}"
-    );
+    assert!(stopped.ends_with("\nP001,own,0.0,aborted: fire alarm\n"), "{stopped}");
 }
 
 #[test]
@@ -129,12 +109,7 @@ fn what_nobody_goes_on_without_is_not_skipped_and_a_skipped_sheet_takes_no_answe
     let (sheet, _) = until(&server, &token, "scale");
     assert_eq!(act(&server, sheet, "skip", "asked+on+paper").0, 303);
     let answers = r#"{"answers":[4,null],"seconds":6}"#;
-    assert_eq!(
-        server
-            .post(&format!("/api/{token}/answer/{sheet}"), answers)
-            .0,
-        410
-    );
+    assert_eq!(server.post(&format!("/api/{token}/answer/{sheet}"), answers).0, 410);
     let (practice, _) = until(&server, &token, "practice");
     assert_eq!(act(&server, practice, "skip", "drove+here+before").0, 303);
     let (drive, _) = until(&server, &token, "drive");
@@ -152,10 +127,7 @@ fn what_nobody_goes_on_without_is_not_skipped_and_a_skipped_sheet_takes_no_answe
     refused(at, "skip", "this is the end");
     while go_on(&server, &token) {}
     let surveys = read(folder.path(), "surveys/answers.csv");
-    assert!(
-        !surveys.contains("P001,pre,") && surveys.contains("P001,calm,"),
-        "{surveys}"
-    );
+    assert!(!surveys.contains("P001,pre,") && surveys.contains("P001,calm,"), "{surveys}");
     assert!(
         !folder.path().join("seat/stopped.csv").exists(),
         "nothing of the analysis was left out"
@@ -174,13 +146,7 @@ fn nobody_is_asked_about_a_ride_that_was_skipped_before_it_began() {
     assert_eq!(server.post(&late, answers).0, 410);
     finish(&server, &token);
     let surveys = read(folder.path(), "surveys/answers.csv");
-    assert!(
-        !surveys.contains("P001,calm,") && surveys.contains("P001,sporty,"),
-        "{surveys}"
-    );
+    assert!(!surveys.contains("P001,calm,") && surveys.contains("P001,sporty,"), "{surveys}");
     let stopped = read(folder.path(), "seat/stopped.csv");
-    assert!(
-        stopped.ends_with("\nP001,calm,0.0,skipped: no picture\n"),
-        "{stopped}"
-    );
+    assert!(stopped.ends_with("\nP001,calm,0.0,skipped: no picture\n"), "{stopped}");
 }

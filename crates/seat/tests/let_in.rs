@@ -52,16 +52,9 @@ fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_
     let fifth = people(folder.path()).pop().unwrap();
     assert_eq!((fifth.1, fifth.2.as_str()), (Some(1), "sporty"));
     server.seat.let_in().unwrap();
-    assert_eq!(
-        people(folder.path()).pop().unwrap().1,
-        Some(3),
-        "row 2 is of who is through"
-    );
+    assert_eq!(people(folder.path()).pop().unwrap().1, Some(3), "row 2 is of who is through");
     let notes = read(folder.path(), "seat/notes.csv");
-    tells(
-        &notes,
-        &["P002 never came: their row of the square is free"],
-    );
+    tells(&notes, &["P002 never came: their row of the square is free"]);
     assert_eq!(server.state(&links[1])["ended"], "never came");
 
     // Who began came, and nobody never comes twice.
@@ -81,11 +74,7 @@ fn a_row_belongs_to_who_takes_part_and_goes_to_the_next_when_they_left_or_never_
 #[test]
 fn an_id_is_given_by_hand_once_and_never_one_that_stands_anywhere() {
     let folder = folder();
-    fs::write(
-        folder.path().join("participants.csv"),
-        "participant,study\nX1,2\n",
-    )
-    .unwrap();
+    fs::write(folder.path().join("participants.csv"), "participant,study\nX1,2\n").unwrap();
     let server = Server::open(folder.path());
     let next = |id: &str| {
         let body = format!("participant={id}");
@@ -129,24 +118,16 @@ fn an_order_by_hand_is_ridden_holds_the_row_that_it_has_and_names_every_conditio
     ] {
         let (status, reply) = next(order);
         assert!(status == 400 && reply.contains(why), "{reply}");
-        assert!(
-            reply.contains("expected each of these once: calm sporty"),
-            "{reply}"
-        );
+        assert!(reply.contains("expected each of these once: calm sporty"), "{reply}");
     }
     assert!(people(folder.path()).is_empty());
     for order in ["sporty+calm", "", "sporty%2C+calm", "+"] {
         assert_eq!(next(order).0, 303, "{order}");
     }
-    let ridden: Vec<_> = people(folder.path())
-        .into_iter()
-        .map(|(_, row, first, _)| (row, first))
-        .collect();
+    let ridden: Vec<_> =
+        people(folder.path()).into_iter().map(|(_, row, first, _)| (row, first)).collect();
     let expected = [(1, "sporty"), (0, "calm"), (3, "sporty"), (2, "calm")];
-    assert_eq!(
-        ridden,
-        expected.map(|(row, first)| (Some(row), first.to_owned()))
-    );
+    assert_eq!(ridden, expected.map(|(row, first)| (Some(row), first.to_owned())));
 }
 
 #[test]
@@ -158,10 +139,7 @@ fn an_order_that_the_square_does_not_have_takes_no_row_from_anybody() {
     let folder = folder_of(&four);
     let server = Server::open(folder.path());
     let order = Some("calm sporty mean own_style".to_owned());
-    let invitation = Invitation {
-        order,
-        ..Invitation::default()
-    };
+    let invitation = Invitation { order, ..Invitation::default() };
     let token = server.seat.invite(&invitation).unwrap();
     server.seat.let_in().unwrap();
     assert_eq!(rows(folder.path()), [None, Some(0)]);

@@ -55,16 +55,8 @@ fn connections_that_ask_nothing_and_bodies_that_never_end_leave_the_others_serve
     // What has asked nothing for a second goes when somebody else comes.
     std::thread::sleep(Duration::from_millis(1_100));
     server.state(&token);
-    assert!(
-        closed(&mut idle) >= 900,
-        "{} idle ones are closed",
-        closed(&mut idle)
-    );
-    assert!(
-        closed(&mut bodies) >= 100,
-        "{} bodies are closed",
-        closed(&mut bodies)
-    );
+    assert!(closed(&mut idle) >= 900, "{} idle ones are closed", closed(&mut idle));
+    assert!(closed(&mut bodies) >= 100, "{} bodies are closed", closed(&mut bodies));
 }
 
 /// Nothing can be written into these tables of the seat's file any more.
@@ -93,10 +85,8 @@ fn what_could_not_be_kept_is_told_at_the_laboratory_and_where_the_seat_was_opene
     let disk = rusqlite::Connection::open(folder.path().join("seat/seat.db")).unwrap();
     fill(&disk, &["answer", "event", "drive", "piece"]);
     for _ in 0..3 {
-        let (status, reply) = server.post(
-            &format!("/api/{token}/answer/0"),
-            r#"{"agreed":true,"seconds":1}"#,
-        );
+        let (status, reply) =
+            server.post(&format!("/api/{token}/answer/0"), r#"{"agreed":true,"seconds":1}"#);
         assert!(status == 500 && !reply.contains("disk"), "{reply}");
     }
     let (status, _) = server.post(&format!("/api/{token}/answer/7"), "{}");
@@ -151,17 +141,11 @@ fn one_tab_at_a_time_drives_an_attempt_and_the_other_is_told() {
     let other = "f".repeat(32);
     let path = |attempt: u32, tab: &str| format!("/api/{token}/drive/4/{attempt}/{tab}");
     assert_eq!(server.post(&path(1, TAB), &lines[..3].join("\n")).0, 200);
-    assert_eq!(
-        server.post(&format!("/api/{token}/open/{other}"), "null").0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{token}/open/{other}"), "null").0, 200);
     // The tab that was left goes on driving: it is told, and nothing of it is kept.
     assert_eq!(server.post(&path(1, TAB), &lines[3]).0, 409);
     // The new tab brings what the old one had kept, but drives an attempt of its own.
-    assert_eq!(
-        server.post(&path(1, &other), &lines[1..4].join("\n")).0,
-        200
-    );
+    assert_eq!(server.post(&path(1, &other), &lines[1..4].join("\n")).0, 200);
     let elsewhere = lines[1].replace("\"drawn\":60", "\"drawn\":59");
     assert_ne!(elsewhere, lines[1]);
     assert_eq!(server.post(&path(1, &other), &elsewhere).0, 409);
@@ -184,9 +168,7 @@ fn a_drive_can_hold_only_so_much_beside_its_inputs() {
     let piece = |from: u64| {
         format!(r#"{{"from_tick":{from},"ticks":1,"held":[[1,0,0,0,0]],"events":[{events}]}}"#)
     };
-    let sent: Vec<u16> = (0..20)
-        .map(|from| server.post(&path, &piece(from)).0)
-        .collect();
+    let sent: Vec<u16> = (0..20).map(|from| server.post(&path, &piece(from)).0).collect();
     assert!(sent.iter().filter(|s| **s == 400).count() >= 10, "{sent:?}");
     let kept = fs::metadata(folder.path().join("seat/seat.db-wal")).unwrap();
     assert!(kept.len() > 0);
@@ -196,18 +178,11 @@ fn a_drive_can_hold_only_so_much_beside_its_inputs() {
 fn the_password_is_asked_however_it_is_given_and_is_never_empty() {
     let folder = folder();
     let server = Server::open(folder.path());
-    replies(
-        server.post("/lab/enter", "password=guess"),
-        401,
-        "not the password",
-    );
+    replies(server.post("/lab/enter", "password=guess"), 401, "not the password");
     // What opens the page is no digest of the password, which could be guessed as fast as one can ask.
     let digest = "96f5bcad337376e08aeb4108dd7d701e0873a0ab4529ea433f285c3946be1909";
     let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", &format!("lab={digest}"))]);
-    assert!(
-        page.contains("Password") && !page.contains("What happened"),
-        "{page}"
-    );
+    assert!(page.contains("Password") && !page.contains("What happened"), "{page}");
     let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", &entered(&server))]);
     assert!(page.contains("What happened"), "{page}");
     for empty in ["", "  "] {
@@ -237,23 +212,14 @@ fn the_page_travels_packed_and_is_kept_by_browsers_until_it_changes() {
     let (_folder, server, token) = one_person();
     let (_, page) = server.ask("GET", &format!("/p/{token}"), "", &[]);
     assert!(page.contains("cache-control: no-store"), "{page}");
-    let script = page
-        .split("src=\"")
-        .nth(1)
-        .unwrap()
-        .split('"')
-        .next()
-        .unwrap();
+    let script = page.split("src=\"").nth(1).unwrap().split('"').next().unwrap();
     assert_eq!(script.split('/').count(), 4, "{script}");
     let packed = &[("Accept-Encoding", "gzip, deflate, br")];
     let (status, sent) = server.ask("GET", script, "", packed);
     let head = sent.split("\r\n\r\n").next().unwrap();
     assert_eq!(status, 200);
     assert!(head.contains("content-encoding: gzip"), "{head}");
-    assert!(
-        head.contains("cache-control: public, max-age=31536000, immutable"),
-        "{head}"
-    );
+    assert!(head.contains("cache-control: public, max-age=31536000, immutable"), "{head}");
     let length = |head: &str| -> usize {
         let length = head.split("content-length: ").nth(1).unwrap();
         length.split("\r\n").next().unwrap().parse().unwrap()
@@ -281,11 +247,7 @@ fn every_reply_says_what_a_page_may_do_and_whoever_comes_to_the_front_door_is_to
         let method = if path == "/lab/next" { "POST" } else { "GET" };
         let (status, reply) = server.ask(method, path, "", headers);
         assert!(status >= 400, "{reply}");
-        for header in [
-            "content-security-policy",
-            "x-content-type-options",
-            "referrer-policy",
-        ] {
+        for header in ["content-security-policy", "x-content-type-options", "referrer-policy"] {
             assert_eq!(reply.matches(header).count(), 1, "{path} {header}: {reply}");
         }
     }
@@ -298,10 +260,7 @@ fn who_rides_cannot_read_the_condition_in_what_the_page_is_told() {
     for (at, step) in state["steps"].as_array().unwrap().iter().enumerate() {
         for key in ["condition", "moment"] {
             let value = step[key].as_str().unwrap_or_default();
-            assert!(
-                !["calm", "sporty"].contains(&value),
-                "step {at}: {key} = {value}"
-            );
+            assert!(!["calm", "sporty"].contains(&value), "step {at}: {key} = {value}");
         }
     }
     assert_eq!(state["steps"][7]["condition"], "ride-2");
@@ -334,10 +293,7 @@ fn what_people_gave_can_be_read_by_the_owner_of_the_seat_alone() {
         let mode = fs::metadata(&path).unwrap().permissions().mode();
         assert_eq!(mode & 0o077, 0, "{name}: {mode:o}");
     }
-    let mode = fs::metadata(folder.path().join("seat"))
-        .unwrap()
-        .permissions()
-        .mode();
+    let mode = fs::metadata(folder.path().join("seat")).unwrap().permissions().mode();
     assert_eq!(mode & 0o077, 0, "the folder: {mode:o}");
 }
 
@@ -374,16 +330,9 @@ fn the_same_answers_again_are_a_lost_reply_and_others_are_refused_and_told() {
     replies(server.post(&path, &later), 200, &(at + 1).to_string());
     assert!(!lab(&server).contains(&told));
     let others = r#"{"answers":[1,2],"seconds":6}"#;
-    replies(
-        server.post(&path, others),
-        409,
-        "maveric-refused: other-tab",
-    );
+    replies(server.post(&path, others), 409, "maveric-refused: other-tab");
     tells(&lab(&server), &[&told]);
     server.seat.write_files().unwrap();
     let answers = read(folder.path(), "surveys/answers.csv");
-    tells(
-        &answers,
-        &["P001,pre,mood,1,4,3.000\nP001,pre,mood,2,,3.000\n"],
-    );
+    tells(&answers, &["P001,pre,mood,1,4,3.000\nP001,pre,mood,2,,3.000\n"]);
 }

@@ -27,10 +27,7 @@ impl Page {
         let asked =
             format!("GET /lab/live HTTP/1.1\r\nHost: {address}\r\nCookie: {cookie}\r\n\r\n");
         stream.write_all(asked.as_bytes()).unwrap();
-        Self {
-            stream,
-            text: String::new(),
-        }
+        Self { stream, text: String::new() }
     }
 
     /// Reads until this is there, and gives what had come until then and with it.

@@ -1,10 +1,6 @@
 //! A study in the seat, through its server: people by scripts, whoever runs the study, and what neither may do.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 mod collected;
 mod decided;

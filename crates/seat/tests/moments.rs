@@ -36,10 +36,7 @@ fn what_was_asked_on_the_way_and_at_the_end_stands_among_the_answers() {
     finish(&server, &token);
     let text = read(folder.path(), "surveys/answers.csv");
     let (head, rows) = text.split_once('\n').unwrap();
-    assert_eq!(
-        head,
-        "participant,moment,scale,item,answer,seconds,condition,at_s"
-    );
+    assert_eq!(head, "participant,moment,scale,item,answer,seconds,condition,at_s");
     for row in [
         "P001,pre,mood,1,4,3.000,,",
         "P001,after,mood,1,4,3.000,calm,",
@@ -51,18 +48,12 @@ fn what_was_asked_on_the_way_and_at_the_end_stands_among_the_answers() {
         assert!(rows.lines().any(|line| line == row), "{row}:\n{text}");
     }
     let answered = read_answered(&folder.path().join("surveys/answers.csv")).unwrap();
-    assert_eq!(
-        (answered.answers.len(), answered.probes.len()),
-        (2 * 4, 2 * 3)
-    );
+    assert_eq!((answered.answers.len(), answered.probes.len()), (2 * 4, 2 * 3));
     // Nothing of the screening is anywhere.
     assert!(!text.contains("about"), "{text}");
     let events = read(folder.path(), "seat/events.csv");
     assert!(!events.contains("about") && !folder.path().join("seat/not_admitted.csv").exists());
-    assert!(
-        events.contains(",probe:misc,1.0") || events.contains(",probe:misc,1,"),
-        "{events}"
-    );
+    assert!(events.contains(",probe:misc,1.0") || events.contains(",probe:misc,1,"), "{events}");
     // Pages were answered, and a ride is none.
     let pages: Vec<&str> = events
         .lines()
@@ -91,10 +82,7 @@ fn who_is_not_admitted_is_counted_by_the_rule_and_leaves_nothing_else() {
     assert_eq!(refuse(r#"{"refused":0,"seconds":9}"#), 200);
     assert_eq!(refuse(r#"{"refused":0,"seconds":9}"#), 410);
     assert_eq!(server.state(&held)["ended"], "not admitted");
-    assert_eq!(
-        read(folder.path(), "seat/not_admitted.csv"),
-        "rule,people\nabout.age >= 18,1\n"
-    );
+    assert_eq!(read(folder.path(), "seat/not_admitted.csv"), "rule,people\nabout.age >= 18,1\n");
     // Who comes after them has the first order, and they are in no table.
     while go_on(&server, &next) {}
     let another = opened(&server);
@@ -103,18 +91,11 @@ fn who_is_not_admitted_is_counted_by_the_rule_and_leaves_nothing_else() {
         read(folder.path(), "participants.csv"),
         "participant,study,order\nP002,2,sporty calm\nP003,2,calm sporty\n"
     );
-    for file in [
-        "surveys/answers.csv",
-        "seat/events.csv",
-        "seat/consents.csv",
-    ] {
+    for file in ["surveys/answers.csv", "seat/events.csv", "seat/consents.csv"] {
         assert!(!read(folder.path(), file).contains("P001"), "{file}");
     }
     let lab = lab(&server);
-    assert!(
-        lab.contains("not admitted") && !lab.contains("about.age"),
-        "{lab}"
-    );
+    assert!(lab.contains("not admitted") && !lab.contains("about.age"), "{lab}");
 }
 
 #[test]
@@ -131,15 +112,9 @@ fn an_answer_to_a_probe_that_is_not_asked_is_refused() {
     let (lines, _) = driven(&step);
     let path = format!("/api/{token}/drive/{at}/1/{TAB}");
     assert_eq!(server.post(&path, &lines[0]).0, 200);
-    let asked = lines
-        .iter()
-        .find(|line| line.contains("probe:misc"))
-        .unwrap();
+    let asked = lines.iter().find(|line| line.contains("probe:misc")).unwrap();
     for (from, to) in [
-        (
-            "probe:misc\",\"points\":1.0",
-            "probe:misc\",\"points\":11.0",
-        ),
+        ("probe:misc\",\"points\":1.0", "probe:misc\",\"points\":11.0"),
         ("probe:misc\",\"points\":1.0", "probe:misc\",\"points\":1.5"),
         ("probe:misc\"", "probe:mood\""),
     ] {
@@ -168,37 +143,16 @@ fn what_cannot_be_asked_or_judged_is_refused_when_the_seat_is_opened() {
         "scale = \"about\"",
         &["`probe`", "`about`", "2 items", "one item"],
     );
-    refused(
-        "scale = \"misc\"",
-        "scale = \"misk\"",
-        &["`misk`", "did you mean `misc`?"],
-    );
+    refused("scale = \"misc\"", "scale = \"misk\"", &["`misk`", "did you mean `misc`?"]);
     refused(
         "about.age >= 18",
         "about.licence >= 18",
-        &[
-            "`admit_if`",
-            "`about.licence >= 18`",
-            "about.1 to about.2",
-            "about.age",
-        ],
+        &["`admit_if`", "`about.licence >= 18`", "about.1 to about.2", "about.age"],
     );
-    refused(
-        "about.2 > 1",
-        "about.3 > 1",
-        &["`about.3 > 1`", "about.1 to about.2"],
-    );
-    refused(
-        "about.2 > 1",
-        "about > 1",
-        &["`about > 1`", "about.1 to about.2"],
-    );
+    refused("about.2 > 1", "about.3 > 1", &["`about.3 > 1`", "about.1 to about.2"]);
+    refused("about.2 > 1", "about > 1", &["`about > 1`", "about.1 to about.2"]);
     refused("about.age >= 18", "about.age >= 180", &["0 to 120"]);
-    refused(
-        "post = [\"mood\"]",
-        "post = [\"moot\"]",
-        &["`moot`", "did you mean `mood`?"],
-    );
+    refused("post = [\"mood\"]", "post = [\"moot\"]", &["`moot`", "did you mean `mood`?"]);
 }
 
 #[test]
@@ -225,10 +179,7 @@ fn whose_computer_lacks_what_the_study_needs_is_counted_by_it_before_anything_is
     // Who has what is needed goes on to the screening, and may be held back there.
     assert!(go_on(&server, &next));
     let state = server.state(&next);
-    assert_eq!(
-        (state["at"].as_u64(), &state["steps"][1]["kind"]),
-        (Some(1), &json!("screen"))
-    );
+    assert_eq!((state["at"].as_u64(), &state["steps"][1]["kind"]), (Some(1), &json!("screen")));
     let sheet = r#"{"refused":0,"seconds":9}"#;
     assert_eq!(server.post(&format!("/api/{next}/answer/1"), sheet).0, 200);
     assert_eq!(

@@ -17,14 +17,9 @@ fn joins(server: &Server, query: &str) -> Result<String, String> {
     if status != 303 {
         return Err(reply);
     }
-    let to = reply
-        .lines()
-        .find_map(|line| line.strip_prefix("location: /p/"));
+    let to = reply.lines().find_map(|line| line.strip_prefix("location: /p/"));
     let token = to.unwrap().trim().to_owned();
-    assert_eq!(
-        server.post(&format!("/api/{token}/open/{TAB}"), "null").0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{token}/open/{TAB}"), "null").0, 200);
     Ok(token)
 }
 
@@ -50,31 +45,14 @@ fn an_id_has_one_link_and_stands_in_one_file_alone_until_it_is_paid() {
     }
     assert_eq!(server.state(&first)["redirect"], json!(null));
     walk(&server, &first, &Script::default());
-    assert_eq!(
-        server.state(&first)["redirect"],
-        "https://pays.example/?cc=DONE"
-    );
-    let unwell = Script {
-        stops: Some((300, "unwell")),
-        ..Script::default()
-    };
+    assert_eq!(server.state(&first)["redirect"], "https://pays.example/?cc=DONE");
+    let unwell = Script { stops: Some((300, "unwell")), ..Script::default() };
     walk(&server, &second, &unwell);
-    assert_eq!(
-        server.state(&second)["redirect"],
-        "https://pays.example/?cc=STOP"
-    );
+    assert_eq!(server.state(&second)["redirect"], "https://pays.example/?cc=STOP");
     // Whoever takes everything back, and comes again by the same id.
     let third = joins(&server, "?PROLIFIC_PID=third").unwrap();
-    assert_eq!(
-        server
-            .post(&format!("/api/{third}/leave"), "{\"keep\":false}")
-            .0,
-        200
-    );
-    assert_eq!(
-        server.state(&third)["redirect"],
-        "https://pays.example/?cc=STOP"
-    );
+    assert_eq!(server.post(&format!("/api/{third}/leave"), "{\"keep\":false}").0, 200);
+    assert_eq!(server.state(&third)["redirect"], "https://pays.example/?cc=STOP");
     assert_eq!(joins(&server, "?PROLIFIC_PID=third").unwrap(), third);
     assert_eq!(server.state(&third)["ended"], "deleted");
     assert!(!payment(folder.path()).contains("third"));
@@ -111,10 +89,7 @@ fn the_ids_of_who_is_through_are_deleted_and_nobody_elses() {
         }
     };
     assert_eq!((paid.deleted, paid.left), (1, 1));
-    assert_eq!(
-        payment(folder.path()),
-        "participant,platform_id,ended\nP002,77aa,\n"
-    );
+    assert_eq!(payment(folder.path()), "participant,platform_id,ended\nP002,77aa,\n");
 }
 
 fn walkdir(folder: &Path) -> Vec<std::path::PathBuf> {

@@ -15,15 +15,9 @@ use std::{fs, path::Path, rc::Rc};
 fn study() -> String {
     let mut study = STUDY.to_owned();
     for (was, is) in [
-        (
-            "score = \"adb.total\"",
-            "score = \"adb.total\"\nrange = [1, 6]",
-        ),
+        ("score = \"adb.total\"", "score = \"adb.total\"\nrange = [1, 6]"),
         ("id = \"calm\"", "id = \"other\""),
-        (
-            "{ dial = -8, recorded",
-            "{ other = \"matched\", from = \"learned\", recorded",
-        ),
+        ("{ dial = -8, recorded", "{ other = \"matched\", from = \"learned\", recorded"),
         ("{ dial = 8, recorded", "{ dial = 0.85, recorded"),
         ("code = \"C0DE\"", "debrief = \"debrief.md\""),
     ] {
@@ -50,9 +44,7 @@ fn of_35_points(folder: &Path) -> Model {
 fn kept(folder: &Path) -> (Value, Value) {
     let state = Connection::open(folder.join("seat/seat.db")).unwrap();
     let row: (String, String) = state
-        .query_row("SELECT fit, steps FROM person", [], |row| {
-            Ok((row.get(0)?, row.get(1)?))
-        })
+        .query_row("SELECT fit, steps FROM person", [], |row| Ok((row.get(0)?, row.get(1)?)))
         .unwrap();
     let value = |text: &str| serde_json::from_str(text).unwrap();
     (value(&row.0), value(&row.1))
@@ -60,10 +52,7 @@ fn kept(folder: &Path) -> (Value, Value) {
 
 #[track_caller]
 fn near(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() < 1e-9,
-        "{found} instead of {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
 }
 
 #[test]
@@ -85,16 +74,10 @@ fn a_model_learned_on_the_adbs_scale_is_served_reads_turns_and_lends_in_points_o
     let (_, bytes) = reply.split_once("\r\n\r\n").unwrap();
     let served = model_file::from_bytes(bytes.as_bytes()).unwrap();
     assert_eq!(served.score_range(), range);
-    assert_eq!(
-        serde_json::to_value(&served).unwrap()["score_range"],
-        json!([1.0, 6.0])
-    );
+    assert_eq!(serde_json::to_value(&served).unwrap()["score_range"], json!([1.0, 6.0]));
     let dial = LinearHead::aggression(&served).unwrap();
     let on_adb = LinearHead::aggression(&learned).unwrap();
-    let person = Script {
-        model: Rc::new(served),
-        ..Script::default()
-    };
+    let person = Script { model: Rc::new(served), ..Script::default() };
     while person.go_on(&server, &token) {}
 
     let (fit, steps) = kept(folder.path());
@@ -102,10 +85,7 @@ fn a_model_learned_on_the_adbs_scale_is_served_reads_turns_and_lends_in_points_o
     let score = fit["score"].as_f64().unwrap();
     assert!((1.0..=6.0).contains(&score), "{fit}");
     near(score, dial.read(&own).unwrap());
-    near(
-        score,
-        1.0 + (on_adb.read(&own).unwrap() - 11.0) * 5.0 / 44.0,
-    );
+    near(score, 1.0 + (on_adb.read(&own).unwrap() - 11.0) * 5.0 / 44.0);
     let ridden = |condition: &str| {
         let lines = read(folder.path(), &format!("seat/P001-{condition}.jsonl"));
         let style = Record::from_lines(&lines).unwrap().header.style.unwrap();

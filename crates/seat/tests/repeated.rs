@@ -29,10 +29,7 @@ fn a_ride_that_is_driven_again_counts_and_the_one_before_is_kept_and_marked() {
     assert_eq!(send(1, &lines).0, 200);
     // Without a word of the experimenter's nobody drives a whole drive twice.
     replies(send(2, &lines), 400, "has come to its end");
-    assert_eq!(
-        server.post(&format!("/api/{token}/done/{ride}"), "null").0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{token}/done/{ride}"), "null").0, 200);
     let name = ["calm", "sporty"]
         .map(|condition| format!("P001-{condition}"))
         .into_iter()
@@ -115,10 +112,8 @@ fn nothing_is_driven_again_once_something_was_answered_after_it_or_stands_in_the
     assert_eq!(ride["kind"], "ride");
     refused(next, "was answered already");
 
-    let study = crate::support::STUDY.replace(
-        "[protocol]\n",
-        "[protocol]\nprobe = { scale = \"misc\", every_s = 12 }\n",
-    );
+    let study = crate::support::STUDY
+        .replace("[protocol]\n", "[protocol]\nprobe = { scale = \"misc\", every_s = 12 }\n");
     let probed = folder_of(&study.replace("ride_s = 10", "ride_s = 20"));
     fs::write(probed.path().join("scales/misc.toml"), crate::support::MISC).unwrap();
     let server = Server::open(probed.path());
@@ -126,9 +121,5 @@ fn nothing_is_driven_again_once_something_was_answered_after_it_or_stands_in_the
     let (ride, _) = until(&server, &token, "ride");
     assert!(go_on(&server, &token));
     server.seat.write_files().unwrap();
-    replies(
-        repeat(&server, ride + 1, "because"),
-        400,
-        "stands in the study",
-    );
+    replies(repeat(&server, ride + 1, "because"), 400, "stands in the study");
 }

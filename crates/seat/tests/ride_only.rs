@@ -28,39 +28,21 @@ fn rides_in_the_average_style_need_no_drive_and_their_logs_are_written() {
         .iter()
         .map(|step| step["kind"].as_str().unwrap())
         .collect();
-    assert_eq!(
-        kinds,
-        [
-            "text",
-            "scale",
-            "ride",
-            "scale",
-            "ride",
-            "scale",
-            "aftercare",
-            "thanks"
-        ]
-    );
+    assert_eq!(kinds, ["text", "scale", "ride", "scale", "ride", "scale", "aftercare", "thanks"]);
     finish(&server, &token);
     for log in ["logs/seat/P001-calm.mcap", "logs/seat/P001-sporty.mcap"] {
         assert!(folder.path().join(log).is_file(), "{log}");
     }
     // In one's own style nobody rides who has not driven.
-    let own = study(
-        "car = { dial = -8, recorded = true }\n",
-        mean,
-        "[\"before\", \"rides\"]",
-    );
+    let own = study("car = { dial = -8, recorded = true }\n", mean, "[\"before\", \"rides\"]");
     let told = maveric_domain::Design::from_toml(&own).unwrap_err();
     assert!(told.to_string().contains("learned from it"), "{told}");
 }
 
 #[test]
 fn after_rides_in_another_rig_the_questionnaires_are_asked_in_the_persons_order_without_a_model() {
-    let design = study("", "", "[\"consent\", \"rides\"]").replace(
-        "[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\n",
-        "",
-    );
+    let design = study("", "", "[\"consent\", \"rides\"]")
+        .replace("[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\n", "");
     let folder = folder_of(&design);
     let server = Server::of(open_with(folder.path(), None).unwrap(), |_| {});
     let (one, other) = (opened(&server), opened(&server));
@@ -68,11 +50,7 @@ fn after_rides_in_another_rig_the_questionnaires_are_asked_in_the_persons_order_
         let (at, step) = until(&server, token, "elsewhere");
         // Who rides is not told the condition.
         assert_eq!(step["condition"], "ride-1");
-        replies(
-            server.post(&format!("/api/{token}/done/{at}"), "null"),
-            400,
-            "asked here",
-        );
+        replies(server.post(&format!("/api/{token}/done/{at}"), "null"), 400, "asked here");
         finish(&server, token);
     }
     let people = read(folder.path(), "participants.csv");

@@ -40,9 +40,7 @@ fn days_pass(folder: &Path, days: i64) {
 }
 
 fn kinds(met: &[Value]) -> Vec<&str> {
-    met.iter()
-        .map(|step| step["kind"].as_str().unwrap())
-        .collect()
+    met.iter().map(|step| step["kind"].as_str().unwrap()).collect()
 }
 
 #[test]
@@ -67,10 +65,7 @@ fn the_same_link_goes_on_from_the_day_on_and_every_ride_is_in_the_style_of_the_f
     assert!(early.1.contains("not the day yet"), "{}", early.1);
     days_pass(folder.path(), 2);
     assert_eq!(server.state(&token)["between"]["open"], true);
-    assert_eq!(
-        server.post(&format!("/api/{token}/done/{at}"), "null").0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{token}/done/{at}"), "null").0, 200);
 
     let second = walk(&server, &token, &Script::default());
     let begins = ["controls", "drive"];
@@ -79,10 +74,7 @@ fn the_same_link_goes_on_from_the_day_on_and_every_ride_is_in_the_style_of_the_f
     assert_eq!(server.state(&token)["ended"], "done");
     assert_eq!(server.state(&token)["fit"], learned);
     // Nothing is met twice.
-    let driven = first
-        .iter()
-        .chain(&second)
-        .filter(|step| step["seed"].is_string());
+    let driven = first.iter().chain(&second).filter(|step| step["seed"].is_string());
     let worlds: Vec<&str> = driven.map(|step| step["seed"].as_str().unwrap()).collect();
     assert_eq!(worlds.iter().collect::<BTreeSet<_>>().len(), 11);
 
@@ -104,10 +96,7 @@ fn the_same_link_goes_on_from_the_day_on_and_every_ride_is_in_the_style_of_the_f
     assert_eq!(rides.len(), 8, "{rides:?}");
     assert!(rides.contains("sporty:s2:t2"), "{rides:?}");
     let order = read(folder.path(), "participants.csv");
-    assert!(
-        order.contains("calm sporty") && !order.contains("sporty calm"),
-        "{order}"
-    );
+    assert!(order.contains("calm sporty") && !order.contains("sporty calm"), "{order}");
     assert!(!read(folder.path(), "seat/notes.csv").contains("days after"));
 }
 
@@ -136,21 +125,12 @@ fn who_comes_late_goes_on_and_it_is_written_down_and_who_stopped_is_not_asked_ag
     walk(&server, &late, &Script::default());
     days_pass(folder.path(), 15);
     let at = server.state(&late)["at"].as_u64().unwrap();
-    assert_eq!(
-        server.post(&format!("/api/{late}/done/{at}"), "null").0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{late}/done/{at}"), "null").0, 200);
     walk(&server, &late, &Script::default());
     let notes = read(folder.path(), "seat/notes.csv");
-    tells(
-        &notes,
-        &["session 2: 15 days after the one before, at most 14"],
-    );
+    tells(&notes, &["session 2: 15 days after the one before, at most 14"]);
 
-    let unwell = Script {
-        stops: Some((700, "unwell")),
-        ..Script::default()
-    };
+    let unwell = Script { stops: Some((700, "unwell")), ..Script::default() };
     let met = walk(&server, &stopped, &unwell);
     assert_eq!(kinds(&met[4..]), ["drive", "ride", "aftercare", "thanks"]);
     let rows = read(folder.path(), "seat/stopped.csv");
@@ -165,14 +145,8 @@ fn a_ride_of_a_further_session_that_was_stopped_is_named_with_its_session() {
     walk(&server, &token, &Script::default());
     days_pass(folder.path(), 3);
     let at = server.state(&token)["at"].as_u64().unwrap();
-    assert_eq!(
-        server.post(&format!("/api/{token}/done/{at}"), "null").0,
-        200
-    );
-    let unwell = Script {
-        stops: Some((700, "unwell")),
-        ..Script::default()
-    };
+    assert_eq!(server.post(&format!("/api/{token}/done/{at}"), "null").0, 200);
+    let unwell = Script { stops: Some((700, "unwell")), ..Script::default() };
     walk(&server, &token, &unwell);
     let path = folder.path().join("seat/stopped.csv");
     let rows: Vec<maveric_study::tables::collected::Stopped> =
@@ -191,10 +165,7 @@ fn the_experimenter_may_let_somebody_go_on_before_the_day_for_a_reason() {
     assert!(lab.contains("between two sessions"), "{lab}");
     let at = server.state(&token)["at"].as_u64().unwrap() as usize;
     let act = maveric_seat::steps::Act::Skip;
-    server
-        .seat
-        .leave_out("P001", at, act, "came a day early")
-        .unwrap();
+    server.seat.leave_out("P001", at, act, "came a day early").unwrap();
     let met = walk(&server, &token, &Script::default());
     assert_eq!(kinds(&met[..2]), ["controls", "drive"]);
 }

@@ -10,18 +10,9 @@ use std::{fs, path::Path};
 /// A study of one's own drive beside the average driver's; the debriefing says so.
 fn study() -> tempfile::TempDir {
     let design = STUDY
-        .replace(
-            "car = { dial = -8, recorded = true }",
-            "car = { replay = \"own\" }",
-        )
-        .replace(
-            "car = { dial = 8, recorded = true }",
-            "car = { mean = true, recorded = true }",
-        )
-        .replace(
-            "ride_s = 10",
-            "ride_s = 20\nworld = \"same\"\ndebrief = \"debrief.md\"",
-        );
+        .replace("car = { dial = -8, recorded = true }", "car = { replay = \"own\" }")
+        .replace("car = { dial = 8, recorded = true }", "car = { mean = true, recorded = true }")
+        .replace("ride_s = 10", "ride_s = 20\nworld = \"same\"\ndebrief = \"debrief.md\"");
     let folder = folder_of(&design);
     let text = "One of the rides was your own drive.";
     fs::write(folder.path().join("debrief.md"), text).unwrap();
@@ -40,54 +31,27 @@ fn a_ride_goes_through_the_same_states_as_the_drive_that_it_shows() {
     let server = Server::open(folder.path());
     let token = opened(&server);
     let (status, reply) = server.ask("GET", &format!("/api/{token}/own"), "", &[]);
-    assert!(
-        status >= 400 && reply.contains("no drive by hand"),
-        "{reply}"
-    );
-    let script = Script {
-        speed: Some(30.0),
-        ..Script::default()
-    };
+    assert!(status >= 400 && reply.contains("no drive by hand"), "{reply}");
+    let script = Script { speed: Some(30.0), ..Script::default() };
     while script.go_on(&server, &token) {}
     assert_eq!(server.state(&token)["ended"], "done");
     let [own, again, other] =
         ["P001-own", "P001-calm", "P001-sporty"].map(|name| record(folder.path(), name));
     assert!(again.shows(&own) && !other.shows(&own));
-    assert_eq!(
-        again.end, own.end,
-        "every car, at every step, is where it was"
-    );
-    assert_eq!(
-        other.header.seed, own.header.seed,
-        "every ride is in the world of the drive"
-    );
+    assert_eq!(again.end, own.end, "every car, at every step, is where it was");
+    assert_eq!(other.header.seed, own.header.seed, "every ride is in the world of the drive");
     assert!(replay(&again).unwrap().same());
     let told = lab(&server);
-    assert!(
-        told.contains("P001-calm: 20 s") && !told.contains("another drive"),
-        "{told}"
-    );
+    assert!(told.contains("P001-calm: 20 s") && !told.contains("another drive"), "{told}");
 }
 
 #[test]
 fn nothing_but_the_own_drive_is_shown_without_a_model() {
     let design = STUDY
-        .replace(
-            "[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\n",
-            "",
-        )
-        .replace(
-            "[[condition]]\nid = \"sporty\"\ncar = { dial = 8, recorded = true }\n",
-            "",
-        )
-        .replace(
-            "car = { dial = -8, recorded = true }",
-            "car = { replay = \"own\" }",
-        )
-        .replace(
-            "ride_s = 10",
-            "ride_s = 20\nworld = \"same\"\ndebrief = \"debrief.md\"",
-        );
+        .replace("[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\n", "")
+        .replace("[[condition]]\nid = \"sporty\"\ncar = { dial = 8, recorded = true }\n", "")
+        .replace("car = { dial = -8, recorded = true }", "car = { replay = \"own\" }")
+        .replace("ride_s = 10", "ride_s = 20\nworld = \"same\"\ndebrief = \"debrief.md\"");
     let folder = folder_of(&design);
     fs::write(folder.path().join("debrief.md"), "It was your own drive.").unwrap();
     let server = Server::of(open_with(folder.path(), None).unwrap(), |_| {});
@@ -118,17 +82,11 @@ fn a_page_that_shows_another_drive_is_told_to_the_experimenter_and_one_that_lets
     };
     let (by_model, _) = driven(&step);
     let (status, reply) = send(&by_model[..1]);
-    assert!(
-        status >= 400 && reply.contains("head of another drive"),
-        "{reply}"
-    );
+    assert!(status >= 400 && reply.contains("head of another drive"), "{reply}");
     let mut other = state.clone();
     let mut by_hand = step.clone();
     (by_hand["kind"], by_hand["seed"]) = ("drive".into(), step["seed"].clone());
-    let faster = Script {
-        speed: Some(34.0),
-        ..Script::default()
-    };
+    let faster = Script { speed: Some(34.0), ..Script::default() };
     other["own"] = faster.driven(&by_hand, &state).0.join("\n").into();
     let (lines, _) = script.driven(&step, &other);
     assert_eq!(send(&lines).0, 200);

@@ -42,33 +42,17 @@ fn walk(server: &Server, token: &str, person: &Script) -> Vec<String> {
 fn who_stops_is_cared_for_rides_no_more_and_the_ride_is_marked_with_the_reason() {
     let folder = folder();
     let server = Server::open(folder.path());
-    let unwell = Script {
-        stops: Some((1_500, "misc >= 6")),
-        ..Script::default()
-    };
+    let unwell = Script { stops: Some((1_500, "misc >= 6")), ..Script::default() };
     let (stopped, whole) = (opened(&server), opened(&server));
     let met = walk(&server, &stopped, &unwell);
     assert_eq!(
         met,
-        [
-            "text",
-            "scale",
-            "controls",
-            "practice",
-            "drive",
-            "ride",
-            "aftercare",
-            "text",
-            "thanks"
-        ]
+        ["text", "scale", "controls", "practice", "drive", "ride", "aftercare", "text", "thanks"]
     );
     assert_eq!(server.state(&stopped)["ended"], "done");
     // Whoever did not stop is asked at the end, and goes past the aftercare.
     let met = walk(&server, &whole, &Script::default());
-    assert_eq!(
-        met[5..],
-        ["ride", "scale", "ride", "scale", "scale", "text", "thanks"]
-    );
+    assert_eq!(met[5..], ["ride", "scale", "ride", "scale", "scale", "text", "thanks"]);
     assert_eq!(
         read(folder.path(), "seat/stopped.csv"),
         "participant,condition,time_s,reason\nP001,calm,15.0,misc >= 6\n"
@@ -108,10 +92,7 @@ fn a_reason_that_the_study_does_not_have_is_refused_and_the_button_is_always_the
 fn who_stopped_is_asked_once_more_how_they_feel_and_who_is_unwell_still_is_named() {
     let folder = folder();
     let server = Server::open(folder.path());
-    let unwell = Script {
-        stops: Some((1_500, "misc >= 6")),
-        ..Script::default()
-    };
+    let unwell = Script { stops: Some((1_500, "misc >= 6")), ..Script::default() };
     for (felt, named) in [(7, true), (2, false)] {
         let token = opened(&server);
         let at = loop {
@@ -126,16 +107,12 @@ fn who_stopped_is_asked_once_more_how_they_feel_and_who_is_unwell_still_is_named
         };
         let sent = |body: &str| server.post(&format!("/api/{token}/answer/{at}"), body).0;
         assert_eq!(sent("{\"answers\":[11],\"seconds\":600}"), 400);
-        assert_eq!(
-            sent(&format!("{{\"answers\":[{felt}],\"seconds\":603}}")),
-            200
-        );
+        assert_eq!(sent(&format!("{{\"answers\":[{felt}],\"seconds\":603}}")), 200);
         while unwell.go_on(&server, &token) {}
         let who = if named { "P001" } else { "P002" };
         let notes = read(folder.path(), "seat/notes.csv");
-        let told = notes
-            .lines()
-            .any(|row| row.contains(who) && row.contains("still unwell 10 min"));
+        let told =
+            notes.lines().any(|row| row.contains(who) && row.contains("still unwell 10 min"));
         assert_eq!(told, named, "{notes}");
         let events = read(folder.path(), "seat/events.csv");
         tells(&events, &[&format!("{who},"), &format!("felt:misc,{felt}")]);

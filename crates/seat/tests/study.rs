@@ -25,25 +25,14 @@ fn a_whole_study_becomes_the_files_that_a_run_reads() {
     assert!(answers.starts_with("participant,moment,scale,item,answer,seconds\nP001,pre,mood,1,4,3.000\nP001,pre,mood,2,,3.000\n"));
     assert_eq!(answers.lines().count(), 1 + 2 * 3 * 2);
     let people = fs::read_to_string(at("participants.csv")).unwrap();
-    assert_eq!(
-        people,
-        "participant,study,order\nP001,2,calm sporty\nP002,2,sporty calm\n"
-    );
+    assert_eq!(people, "participant,study,order\nP001,2,calm sporty\nP002,2,sporty calm\n");
     for drive in ["own", "calm", "sporty"] {
         let log = at(&format!("logs/seat/P002-{drive}.mcap"));
         let read = read_log(&log, &IngestSettings::default()).unwrap();
         let meta = &read[0].meta;
-        let by = if drive == "own" {
-            DrivenBy::Scripted
-        } else {
-            DrivenBy::Automated
-        };
+        let by = if drive == "own" { DrivenBy::Scripted } else { DrivenBy::Automated };
         assert_eq!(
-            (
-                meta.participant.as_str(),
-                meta.condition.as_str(),
-                meta.driven_by
-            ),
+            (meta.participant.as_str(), meta.condition.as_str(), meta.driven_by),
             ("P002", drive, by)
         );
         let record = at(&format!("seat/P002-{drive}.jsonl"));
@@ -53,18 +42,10 @@ fn a_whole_study_becomes_the_files_that_a_run_reads() {
         // The log, ingested, is the drive to a nanometre.
         let record =
             maveric_seat_page::Record::from_lines(&fs::read_to_string(&record).unwrap()).unwrap();
-        let again = maveric_seat_page::replay(&record)
-            .unwrap()
-            .rollout
-            .recording;
+        let again = maveric_seat_page::replay(&record).unwrap().rollout.recording;
         let (there, here) = (read[0].recording.ego(), again.ego());
         assert_eq!(there.x_m.len(), here.x_m.len());
-        for (a, b) in there
-            .x_m
-            .iter()
-            .zip(&here.x_m)
-            .chain(there.y_m.iter().zip(&here.y_m))
-        {
+        for (a, b) in there.x_m.iter().zip(&here.x_m).chain(there.y_m.iter().zip(&here.y_m)) {
             assert!((a - b).abs() < 1e-9, "{a} {b}");
         }
     }
@@ -77,9 +58,7 @@ fn a_server_that_was_killed_goes_on_at_the_step_and_loses_nothing_that_it_acknow
     loop {
         // Killed before each step, and in the middle of each drive.
         let state = server.state(&token);
-        let step = state["steps"]
-            .get(state["at"].as_u64().unwrap() as usize)
-            .cloned();
+        let step = state["steps"].get(state["at"].as_u64().unwrap() as usize).cloned();
         if let Some(step) = step.filter(|s| s["kind"] == "drive" || s["kind"] == "ride") {
             let (lines, _) = driven(&step);
             let path = format!("/api/{token}/drive/{}/1/{TAB}", state["at"]);
@@ -103,10 +82,7 @@ fn a_server_that_was_killed_goes_on_at_the_step_and_loses_nothing_that_it_acknow
     }
     assert_eq!(steps, 10);
     assert_eq!(server.state(&token)["ended"], "done");
-    assert_eq!(
-        read(folder.path(), "surveys/answers.csv").lines().count(),
-        7
-    );
+    assert_eq!(read(folder.path(), "surveys/answers.csv").lines().count(), 7);
 }
 
 #[test]
@@ -116,44 +92,24 @@ fn what_a_step_does_not_ask_is_refused() {
     let (mine, other) = (opened(&server), opened(&server));
     let refused = |path: &str, body: &str, expected: u16| {
         let (status, reply) = server.post(path, body);
-        assert_eq!(
-            status,
-            expected,
-            "{path} {}: {reply}",
-            &body[..body.len().min(60)]
-        );
+        assert_eq!(status, expected, "{path} {}: {reply}", &body[..body.len().min(60)]);
     };
     // Somebody who guesses, and paths that lead elsewhere.
     for token in ["0".repeat(32), "..%2f..%2fetc".to_owned(), "x".to_owned()] {
         refused(&format!("/api/{token}/answer/0"), "{}", 404);
     }
-    for path in [
-        "/page/..%2fCargo.toml",
-        "/page/seat.db",
-        "/p/../seat/seat.db",
-        "/seat/seat.db",
-    ] {
+    for path in ["/page/..%2fCargo.toml", "/page/seat.db", "/p/../seat/seat.db", "/seat/seat.db"] {
         assert_ne!(server.ask("GET", path, "", &[]).0, 200, "{path}");
     }
     let answer = |step: u64| format!("/api/{mine}/answer/{step}");
-    refused(
-        &answer(0),
-        r#"{"answers":[1],"seconds":1,"agreed":true}"#,
-        400,
-    );
+    refused(&answer(0), r#"{"answers":[1],"seconds":1,"agreed":true}"#, 400);
     refused(&answer(0), r#"{"seconds":1}"#, 400);
     refused(&answer(1), r#"{"answers":[1,1],"seconds":1}"#, 400);
     refused(&format!("/api/{mine}/done/0"), "null", 400);
     // Other pages.
     let body = r#"{"agreed":true,"seconds":1}"#;
     for origin in ["http://evil.example", "null", ""] {
-        assert_eq!(
-            server
-                .ask("POST", &answer(0), body, &[("Origin", origin)])
-                .0,
-            403,
-            "{origin}"
-        );
+        assert_eq!(server.ask("POST", &answer(0), body, &[("Origin", origin)]).0, 403, "{origin}");
     }
     assert_eq!(server.post(&answer(0), body).0, 200);
     for sheet in [
@@ -183,12 +139,7 @@ fn what_a_step_does_not_ask_is_refused() {
     refused(&path(1, TAB), &driven(&elsewhere).0[0], 400);
     assert_eq!(server.post(&path(1, TAB), &lines[0]).0, 200);
     let long = r#"{"from_tick":0,"ticks":9000,"held":[[9000,0,0,0,0]]}"#;
-    for piece in [
-        long,
-        r#"{"from_tick":0,"ticks":5,"held":[[4,0,0,0,0]]}"#,
-        "{\"x\":1}",
-        "\u{0}",
-    ] {
+    for piece in [long, r#"{"from_tick":0,"ticks":5,"held":[[4,0,0,0,0]]}"#, "{\"x\":1}", "\u{0}"] {
         refused(&path(1, TAB), piece, 400);
     }
     let padded = format!("{}{}", lines[1], " ".repeat(20 << 10));
@@ -262,10 +213,7 @@ fn what_others_wrote_into_the_tables_of_the_study_stays() {
     assert!(go_on(&server, &token) && go_on(&server, &token));
     server.seat.write_files().unwrap();
     let people = fs::read_to_string(at("participants.csv")).unwrap();
-    assert_eq!(
-        people,
-        "participant,study,age,order\nP001,1,40,\nP002,2,,calm sporty\n"
-    );
+    assert_eq!(people, "participant,study,age,order\nP001,1,40,\nP002,2,,calm sporty\n");
     let answers = fs::read_to_string(at("surveys/answers.csv")).unwrap();
     assert_eq!(
         answers,
@@ -308,16 +256,10 @@ fn while_nobody_was_learned_from_nobody_rides() {
     assert!(!one_more(open_with(folder.path(), None).unwrap()));
     assert!(one_more(seat(folder.path())));
     let people = read(folder.path(), "participants.csv");
-    assert_eq!(
-        people,
-        "participant,study,order\nP001,1,\nP002,2,calm sporty\n"
-    );
+    assert_eq!(people, "participant,study,order\nP001,1,\nP002,2,calm sporty\n");
     // A study that learns of nobody and names no model has nobody to ride with.
     let other = crate::support::folder();
-    let without = SeatSettings {
-        model: None,
-        ..settings(other.path())
-    };
+    let without = SeatSettings { model: None, ..settings(other.path()) };
     let refused = Seat::open(&folder.path().join("seat/seat.db"), without);
     let refused = refused.err().unwrap();
     assert!(refused.to_string().contains("no model"), "{refused}");
@@ -333,19 +275,12 @@ fn the_laboratory_asks_its_password_and_shows_text_as_text() {
     server.post("/lab/next", "");
     let (status, entered) = server.post("/lab/enter", "password=open+%26+see");
     assert_eq!(status, 303);
-    let cookie = entered
-        .lines()
-        .find_map(|l| l.strip_prefix("set-cookie: "))
-        .unwrap();
+    let cookie = entered.lines().find_map(|l| l.strip_prefix("set-cookie: ")).unwrap();
     assert!(cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"));
     let cookie = cookie.split(';').next().unwrap();
     let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
     assert!(page.contains(&token) && page.contains("Calm &amp; &lt;b&gt;sporty"));
-    assert_eq!(
-        page.matches("/p/").count(),
-        2,
-        "nobody without a password let anyone in"
-    );
+    assert_eq!(page.matches("/p/").count(), 2, "nobody without a password let anyone in");
     server.ask("POST", "/lab/next", "", &[("Cookie", cookie)]);
     let (_, page) = server.ask("GET", "/lab", "", &[("Cookie", cookie)]);
     assert_eq!(page.matches("/p/").count(), 4);
@@ -362,12 +297,7 @@ fn the_laboratory_asks_its_password_and_shows_text_as_text() {
     tells(&above, &["<svg", "refresh: 2"]);
     assert!(above.contains("10 s; "), "{above}");
     for strange in ["P999", "%3Cscript%3E", "..%2f..%2fetc"] {
-        assert_eq!(
-            server
-                .ask("GET", &format!("/lab/above/{strange}"), "", entered)
-                .0,
-            400
-        );
+        assert_eq!(server.ask("GET", &format!("/lab/above/{strange}"), "", entered).0, 400);
     }
     let (_, answers) = server.ask("GET", "/lab/answers.csv", "", entered);
     assert!(answers.contains("P001,pre,mood,1,4,3.000"), "{answers}");
@@ -381,12 +311,7 @@ fn who_leaves_is_asked_what_is_kept() {
     server.seat.write_files().unwrap();
     let people = || read(folder.path(), "participants.csv");
     assert!(people().contains("P001"));
-    assert_eq!(
-        server
-            .post(&format!("/api/{token}/leave"), r#"{"keep":false}"#)
-            .0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{token}/leave"), r#"{"keep":false}"#).0, 200);
     assert!(!folder.path().join("logs/seat/P001-own.mcap").exists());
     assert!(!folder.path().join("seat/P001-own.jsonl").exists());
     let answers = read(folder.path(), "surveys/answers.csv");
@@ -402,12 +327,7 @@ fn other_computers_are_served_only_where_that_was_said() {
     let server = Server::open(folder.path());
     let runtime = server.runtime.as_ref().unwrap();
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
-    let refused = runtime.block_on(serve(
-        Arc::clone(&server.seat),
-        everywhere,
-        Wire::Here,
-        |_| {},
-    ));
+    let refused = runtime.block_on(serve(Arc::clone(&server.seat), everywhere, Wire::Here, |_| {}));
     assert!(refused.is_err_and(|e| e.to_string().contains("--plain-http")));
     let (own, rebound) = (server.address.to_string(), "rebound.example");
     for hosts in [
@@ -452,10 +372,7 @@ fn the_built_page_is_made_from_the_sources_that_stand_here() {
             let path = file.unwrap().path();
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             if name.ends_with(ending) {
-                files.push((
-                    format!("{}/{name}", folder.trim_start_matches("page/")),
-                    path,
-                ));
+                files.push((format!("{}/{name}", folder.trim_start_matches("page/")), path));
             }
         }
     };
@@ -475,17 +392,10 @@ fn the_built_page_is_made_from_the_sources_that_stand_here() {
     for (_, path) in &files {
         hash.update(fs::read(path).unwrap());
     }
-    let found = hash
-        .finalize()
-        .iter()
-        .fold(String::new(), |mut text, byte| {
-            let _ = std::fmt::Write::write_fmt(&mut text, format_args!("{byte:02x}"));
-            text
-        });
+    let found = hash.finalize().iter().fold(String::new(), |mut text, byte| {
+        let _ = std::fmt::Write::write_fmt(&mut text, format_args!("{byte:02x}"));
+        text
+    });
     let built = fs::read_to_string(here.join("page/built/sources.sha256")).unwrap();
-    assert_eq!(
-        built.trim(),
-        found,
-        "the page's sources have changed: tools/build-page.sh"
-    );
+    assert_eq!(built.trim(), found, "the page's sources have changed: tools/build-page.sh");
 }

@@ -119,20 +119,8 @@ fn styles_of_another_model_no_file_and_nothing_across_are_refused_when_the_seat_
         }
     };
     let other = refused(BY_FILE, Some(&[0.1, 0.2]));
-    says(
-        &other,
-        &[
-            "`sporty`",
-            "styles.csv",
-            "2 numbers",
-            "model's have 1",
-            "personalize",
-        ],
-    );
+    says(&other, &["`sporty`", "styles.csv", "2 numbers", "model's have 1", "personalize"]);
     says(&refused(BY_FILE, None), &["`sporty`", "styles.csv"]);
     let across = refused("{ across = true, recorded = true }", None);
-    says(
-        &across,
-        &["`sporty` cannot be driven by the model", "two numbers"],
-    );
+    says(&across, &["`sporty` cannot be driven by the model", "two numbers"]);
 }

@@ -28,21 +28,15 @@ fn a_page_comes_encrypted_and_whoever_does_not_greet_keeps_nobody_waiting() {
     let everywhere = SocketAddr::from(([0, 0, 0, 0], 0));
     let wire = wire("certificate.pem", "key.pem").unwrap();
     assert_eq!(wire.scheme(), "https");
-    let serving = runtime
-        .block_on(serve(seat, everywhere, wire, |_| {}))
-        .unwrap();
+    let serving = runtime.block_on(serve(seat, everywhere, wire, |_| {})).unwrap();
     let address = SocketAddr::from(([127, 0, 0, 1], serving.address.port()));
     runtime.spawn(serving.forever());
     let _silent = TcpStream::connect(address).unwrap();
 
     let mut roots = RootCertStore::empty();
     let certificate = Path::new(FILES).join("certificate.pem");
-    roots
-        .add(CertificateDer::from_pem_file(certificate).unwrap())
-        .unwrap();
-    let config = ClientConfig::builder()
-        .with_root_certificates(roots)
-        .with_no_client_auth();
+    roots.add(CertificateDer::from_pem_file(certificate).unwrap()).unwrap();
+    let config = ClientConfig::builder().with_root_certificates(roots).with_no_client_auth();
     let name = ServerName::try_from("127.0.0.1").unwrap();
     let client = ClientConnection::new(Arc::new(config), name).unwrap();
     let mut stream = StreamOwned::new(client, TcpStream::connect(address).unwrap());

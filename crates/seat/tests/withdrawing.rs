@@ -53,9 +53,7 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
     }
     while go_on(&server, &other) {}
     assert!(server.state(&token)["fit"].is_object());
-    let secrets = [
-        &*token, "P001-", "P001,2", "P001,pre", &lines[3], "31415926",
-    ];
+    let secrets = [&*token, "P001-", "P001,2", "P001,pre", &lines[3], "31415926"];
     assert!(holding(folder.path(), &secrets).len() > 4);
     let (status, reply) = server.post(&format!("/api/{token}/leave"), DELETE);
     assert!(status == 200 && reply.ends_with("\"deleted\""), "{reply}");
@@ -76,10 +74,7 @@ fn who_is_through_can_take_everything_back_by_the_link_that_they_keep_and_no_byt
     assert!(go_on(&server, &third));
     server.seat.write_files().unwrap();
     let people = read(folder.path(), "participants.csv");
-    assert!(
-        people.contains("P003") && !people.contains("P001"),
-        "{people}"
-    );
+    assert!(people.contains("P003") && !people.contains("P001"), "{people}");
     assert_eq!(holding(folder.path(), &secrets), Vec::<String>::new());
 }
 
@@ -99,12 +94,7 @@ fn who_takes_everything_back_while_their_drive_is_being_written_leaves_nothing()
     });
     let secrets = [&*token, "P001-", "P001,2", "P001,pre", &lines[3]];
     assert_eq!(holding(folder.path(), &secrets), Vec::<String>::new());
-    let names = |name: &str| {
-        fs::read_dir(folder.path().join(name))
-            .into_iter()
-            .flatten()
-            .count()
-    };
+    let names = |name: &str| fs::read_dir(folder.path().join(name)).into_iter().flatten().count();
     assert_eq!(names("logs/seat"), 0);
 }
 
@@ -119,11 +109,7 @@ fn after_the_day_that_the_consent_names_it_is_said_that_nothing_can_be_taken_bac
     while go_on(&server, &through) {}
     assert_eq!(server.state(&through)["withdraw"]["until"], "2001-02-03");
     assert_eq!(server.state(&through)["withdraw"]["open"], false);
-    replies(
-        server.post(&format!("/api/{through}/leave"), DELETE),
-        403,
-        "2001-02-03",
-    );
+    replies(server.post(&format!("/api/{through}/leave"), DELETE), 403, "2001-02-03");
     assert_eq!(server.state(&through)["ended"], "done");
     // Who is not through may always leave with everything.
     assert_eq!(server.post(&format!("/api/{driving}/leave"), DELETE).0, 200);
@@ -150,11 +136,7 @@ fn the_laboratory_can_forget_somebody_and_is_asked_first() {
     let (status, reply) = server.ask("POST", "/lab/forget/P001", "", with);
     assert_eq!(status, 200, "{reply}");
     assert_eq!(server.state(&token)["ended"], "deleted");
-    replies(
-        server.ask("POST", "/lab/forget/P009", "", with),
-        400,
-        "P009",
-    );
+    replies(server.ask("POST", "/lab/forget/P009", "", with), 400, "P009");
 }
 
 #[test]
@@ -199,11 +181,7 @@ fn rows_that_somebody_deleted_by_hand_are_not_written_back() {
     for name in ["participants.csv", "surveys/answers.csv"] {
         let text = fs::read_to_string(at(name)).unwrap();
         let rows = text.lines().filter(|line| !line.starts_with("P001"));
-        fs::write(
-            at(name),
-            rows.map(|r| r.to_owned() + "\n").collect::<String>(),
-        )
-        .unwrap();
+        fs::write(at(name), rows.map(|r| r.to_owned() + "\n").collect::<String>()).unwrap();
     }
     // A cell that was put right by hand stays right, too.
     let answers = fs::read_to_string(at("surveys/answers.csv")).unwrap();
@@ -214,10 +192,7 @@ fn rows_that_somebody_deleted_by_hand_are_not_written_back() {
         server.seat.write_files().unwrap();
         let people = fs::read_to_string(at("participants.csv")).unwrap();
         assert_eq!(people, "participant,study,order\nP002,2,sporty calm\n");
-        assert_eq!(
-            fs::read_to_string(at("surveys/answers.csv")).unwrap(),
-            right
-        );
+        assert_eq!(fs::read_to_string(at("surveys/answers.csv")).unwrap(), right);
         let lab = lab(&server);
         tells(&lab, &["taken out of participants.csv by hand"]);
     }

@@ -18,12 +18,8 @@ const STEPS: usize = 200_000;
 
 fn warm(lanes: u8, vehicles: usize, mobil: Option<Mobil>) -> Flow {
     let per_lane = vehicles.div_ceil(usize::from(lanes));
-    let settings = FlowSettings {
-        lanes,
-        length_m: per_lane as f64 * 50.0,
-        mobil,
-        ..FlowSettings::default()
-    };
+    let settings =
+        FlowSettings { lanes, length_m: per_lane as f64 * 50.0, mobil, ..FlowSettings::default() };
     let placed = evenly(&settings, vehicles, &TrafficMix::default(), 1).expect("room enough");
     let mut flow = Flow::new(settings, &placed, Vec::new()).expect("settings in range");
     for _ in 0..600 {

@@ -19,11 +19,7 @@ const CARS: [(VehicleModel, Integrator); 3] = [
 ];
 
 fn scenario(curved: bool, (model, integrator): (VehicleModel, Integrator)) -> Scenario {
-    let text = if curved {
-        maveric_data::SCENARIOS_CURVED
-    } else {
-        maveric_data::SCENARIOS_PAPER
-    };
+    let text = if curved { maveric_data::SCENARIOS_CURVED } else { maveric_data::SCENARIOS_PAPER };
     let read: Scenario = toml::from_str(text).expect("a scenario of the study data");
     let mut settings = read.settings().clone();
     settings.vehicle.model = model;

@@ -66,12 +66,7 @@ fn rows(path: &str) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
         if cells.len() == 9 {
             Ok(cells)
         } else {
-            Err(format!(
-                "{path}, line {}: {} columns, expected 9",
-                i + 1,
-                cells.len()
-            )
-            .into())
+            Err(format!("{path}, line {}: {} columns, expected 9", i + 1, cells.len()).into())
         }
     });
     rows.collect()
@@ -106,17 +101,8 @@ fn samples(
     for row in &rows {
         let (lane, driver) = (row[0] as u8, driver(row));
         match shape {
-            Shape::Ring => placed.push(Placed {
-                lane,
-                front_m: row[1],
-                speed_mps: row[2],
-                driver,
-            }),
-            Shape::Open => departures.push(Departure {
-                time_s: row[1],
-                lane,
-                driver,
-            }),
+            Shape::Ring => placed.push(Placed { lane, front_m: row[1], speed_mps: row[2], driver }),
+            Shape::Open => departures.push(Departure { time_s: row[1], lane, driver }),
         }
     }
     let mut flow = Flow::new(settings, &placed, departures)?;
@@ -153,11 +139,7 @@ fn speed(lanes: u8, count: usize) -> Result<(), Box<dyn Error>> {
         (0..steps).for_each(|_| flow.step());
         best = best.min(start.elapsed().as_secs_f64());
     }
-    println!(
-        "{:.0},{}",
-        (steps * count) as f64 / best,
-        (15 * steps + 600) * count
-    );
+    println!("{:.0},{}", (steps * count) as f64 / best, (15 * steps + 600) * count);
     Ok(())
 }
 
@@ -167,16 +149,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     match words.as_slice() {
         [] => table(),
         [shape @ ("ring" | "open"), length, from, to, path] => {
-            let shape = if *shape == "ring" {
-                Shape::Ring
-            } else {
-                Shape::Open
-            };
+            let shape = if *shape == "ring" { Shape::Ring } else { Shape::Open };
             samples(shape, [length.parse()?, from.parse()?, to.parse()?], path)
         }
         ["speed", lanes, count] => speed(lanes.parse()?, count.parse()?),
-        _ => Err(
-            "expected nothing, `ring|open LENGTH FROM TO FILE` or `speed LANES VEHICLES`".into(),
-        ),
+        _ => {
+            Err("expected nothing, `ring|open LENGTH FROM TO FILE` or `speed LANES VEHICLES`"
+                .into())
+        }
     }
 }

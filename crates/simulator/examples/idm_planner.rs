@@ -47,10 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ego = driven.recording.ego();
     for row in (0..driven.recording.rows()).step_by(600) {
         let (time_s, x_m) = (driven.recording.time_s()[row], ego.x_m[row]);
-        println!(
-            "{time_s:5.0} s  {x_m:8.1} m  {:5.2} m/s",
-            ego.speed_mps[row]
-        );
+        println!("{time_s:5.0} s  {x_m:8.1} m  {:5.2} m/s", ego.speed_mps[row]);
     }
     println!(
         "{} collisions, {} interventions",

@@ -92,19 +92,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             changes += done.changes;
             others += done.others;
         }
-        println!(
-            "after {:4} drives: peak {:.1} MB",
-            seconds.len(),
-            MEMORY.peak_usage_as_mb()
-        );
+        println!("after {:4} drives: peak {:.1} MB", seconds.len(), MEMORY.peak_usage_as_mb());
     }
     let elapsed = start.elapsed().as_secs_f64();
     seconds.sort_by(f64::total_cmp);
     let n = seconds.len();
-    let (fastest, median) = seconds
-        .first()
-        .zip(seconds.get(n / 2))
-        .ok_or("expected at least 10 drives")?;
+    let (fastest, median) =
+        seconds.first().zip(seconds.get(n / 2)).ok_or("expected at least 10 drives")?;
     println!(
         "{n} drives in {elapsed:.1} s; one: fastest {:.1} ms, median {:.1} ms",
         1e3 * fastest,

@@ -48,11 +48,7 @@ fn correlation(x: &[f64], y: &[f64]) -> f64 {
 /// The figures of one drive, in the order of [`ROWS`].
 fn figures(drive: &Drive, leads: u32) -> [Option<f64>; 9] {
     let rows = drive.rows();
-    let changes: Vec<_> = drive
-        .lane_changes()
-        .into_iter()
-        .filter(|c| c.completed)
-        .collect();
+    let changes: Vec<_> = drive.lane_changes().into_iter().filter(|c| c.completed).collect();
     let some_mean = |v: Vec<f64>| (!v.is_empty()).then(|| mean(&v));
     let headway = changes
         .iter()
@@ -150,9 +146,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("{people} drives: mean ± SD [5% 50% 95%], n, r with a, b, c; calibration");
     for (i, (name, expected)) in ROWS.iter().enumerate() {
-        let has: Vec<usize> = (0..table.len())
-            .filter(|&p| table[p][i].is_some())
-            .collect();
+        let has: Vec<usize> = (0..table.len()).filter(|&p| table[p][i].is_some()).collect();
         let mut values: Vec<f64> = has.iter().filter_map(|&p| table[p][i]).collect();
         let r = |latent: &[f64]| {
             let those: Vec<f64> = has.iter().map(|&p| latent[p]).collect();

@@ -63,10 +63,7 @@ impl Pair<'_> {
     /// Centre of the other ahead of ego's centre, along its lane, in m.
     fn ahead_m(&self, row: usize) -> f64 {
         let ego_x_m = self.recording.ego().x_m[row];
-        let (x_m, y_m) = (
-            self.other(&self.track.x_m, row),
-            self.other(&self.track.y_m, row),
-        );
+        let (x_m, y_m) = (self.other(&self.track.x_m, row), self.other(&self.track.y_m, row));
         self.line.lane_x_m(ego_x_m, x_m, y_m) - ego_x_m
     }
 
@@ -81,10 +78,7 @@ impl Pair<'_> {
         let from = row.saturating_sub(rows).max(self.track.first_row);
         let ego = &self.recording.ego().y_m;
         let other = &self.track.y_m;
-        (
-            (ego[row] - ego[from]).abs(),
-            (self.other(other, row) - self.other(other, from)).abs(),
-        )
+        ((ego[row] - ego[from]).abs(), (self.other(other, row) - self.other(other, from)).abs())
     }
 
     fn braking_mps2(&self, from: usize, to: usize) -> f64 {
@@ -109,17 +103,9 @@ pub(crate) fn cause(
     let Some(track) = recording.others().iter().find(covers) else {
         return CollisionCause::StartedInside;
     };
-    let pair = Pair {
-        recording,
-        line,
-        track,
-    };
+    let pair = Pair { recording, line, track };
     let in_way = |r: usize| pair.apart_y_m(r) < width_m + rule.lateral_margin_m;
-    let begins = (track.first_row..=row)
-        .rev()
-        .take_while(|&r| in_way(r))
-        .last()
-        .unwrap_or(row);
+    let begins = (track.first_row..=row).rev().take_while(|&r| in_way(r)).last().unwrap_or(row);
     let from_the_start = begins == track.first_row;
     let (ego_moved_m, other_moved_m) = pair.sideways_m(begins);
     let gap_m = pair.gap_m(begins);
@@ -145,11 +131,7 @@ pub(crate) fn cause(
         };
     }
     if from_the_start || other_came {
-        return if beside {
-            CollisionCause::Sideswiped
-        } else {
-            CollisionCause::HitFromBehind
-        };
+        return if beside { CollisionCause::Sideswiped } else { CollisionCause::HitFromBehind };
     }
     if !beside && gap_m >= safe_distance_m(rule, other_mps, ego_mps) {
         CollisionCause::HitFromBehind
@@ -248,10 +230,7 @@ mod tests {
             let (gap_m, moved) = (meeting.gap_m, meeting.moved.is_some());
             assert_eq!(meeting.cause(), expected, "{gap_m} {moved}");
         }
-        let brakes = |gains_mps: f64| Meeting {
-            gains_mps,
-            ..of(40.0, 20.0, None)
-        };
+        let brakes = |gains_mps: f64| Meeting { gains_mps, ..of(40.0, 20.0, None) };
         // 8 m/s² are reckoned with, 8.1 are not.
         assert_eq!(brakes(-0.8).cause(), AssumptionsHeld);
         assert_eq!(brakes(-0.81).cause(), BrakedHarder);

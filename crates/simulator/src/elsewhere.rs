@@ -75,13 +75,7 @@ mod tests {
     use std::error::Error as _;
 
     fn vehicle(id: u32, x_m: f64) -> VehicleState {
-        VehicleState {
-            id: VehicleId(id),
-            x_m,
-            y_m: 0.0,
-            speed_mps: 20.0,
-            length_m: 4.7,
-        }
+        VehicleState { id: VehicleId(id), x_m, y_m: 0.0, speed_mps: 20.0, length_m: 4.7 }
     }
 
     #[test]
@@ -101,11 +95,8 @@ mod tests {
             let ahead = vehicle(7, 80.0 + f64::from(row));
             let behind = vehicle(9, session.ego().x_m - 90.0);
             let both = [ahead, behind];
-            let around = if (100..200).contains(&row) || row > 400 {
-                &both[..]
-            } else {
-                &both[..1]
-            };
+            let around =
+                if (100..200).contains(&row) || row > 400 { &both[..] } else { &both[..1] };
             session.meet(around).unwrap();
             if !session.step() {
                 break;
@@ -116,12 +107,8 @@ mod tests {
         assert_eq!((driven.report.collisions, driven.report.leads), (0, 0));
         let last = *driven.recording.ego().speed_mps.last().unwrap();
         assert!((last - 20.0).abs() < 0.2, "{last}");
-        let tracks: Vec<(u32, usize, usize)> = driven
-            .recording
-            .others()
-            .iter()
-            .map(|t| (t.id.0, t.first_row, t.x_m.len()))
-            .collect();
+        let tracks: Vec<(u32, usize, usize)> =
+            driven.recording.others().iter().map(|t| (t.id.0, t.first_row, t.x_m.len())).collect();
         assert_eq!(tracks, [(7, 0, 1200), (9, 100, 100), (9, 401, 799)]);
     }
 
@@ -136,9 +123,7 @@ mod tests {
         };
         let driver = Driver::Automated(&mut planner, &controllers);
         let mut session = Session::among_others(&scenario, driver).unwrap();
-        let error = session
-            .meet(&[vehicle(1, 50.0), vehicle(1, 90.0)])
-            .unwrap_err();
+        let error = session.meet(&[vehicle(1, 50.0), vehicle(1, 90.0)]).unwrap_err();
         let why = |error: &SimulatorError| error.source().unwrap().to_string();
         assert!(why(&error).contains("each vehicle once"), "{error:?}");
         let error = session.meet(&[vehicle(1, f64::NAN)]).unwrap_err();

@@ -182,10 +182,7 @@ impl Flow {
             lanes,
             front_m,
             speed_mps: speed_mps.max(0.0),
-            driver: IdmDriver {
-                length_m,
-                ..IdmDriver::CAR
-            },
+            driver: IdmDriver { length_m, ..IdmDriver::CAR },
         };
         if let Some(slot) = self.guests.get_mut(key) {
             let before = slot.replace(guest).map_or([None; 2], |g| g.lanes);
@@ -220,12 +217,8 @@ impl Flow {
     /// Vehicles on the road.
     pub fn len(&self) -> usize {
         let entries: usize = self.lanes.iter().map(Lane::len).sum();
-        let guests: usize = self
-            .guests
-            .iter()
-            .flatten()
-            .map(|g| g.lanes.iter().flatten().count())
-            .sum();
+        let guests: usize =
+            self.guests.iter().flatten().map(|g| g.lanes.iter().flatten().count()).sum();
         entries - self.changing - guests
     }
 
@@ -246,23 +239,18 @@ impl Flow {
 
     /// Mean speed of those on the road, in m/s; 0 where there is nobody.
     pub fn mean_speed_mps(&self) -> f64 {
-        let (sum, n) = self
-            .vehicles()
-            .fold((0.0, 0.0), |(sum, n), v| (sum + v.speed_mps, n + 1.0));
+        let (sum, n) = self.vehicles().fold((0.0, 0.0), |(sum, n), v| (sum + v.speed_mps, n + 1.0));
         if n > 0.0 { sum / n } else { 0.0 }
     }
 
     /// Everybody on the road but guests, lane by lane from the right, in order along each.
     pub fn vehicles(&self) -> impl Iterator<Item = FlowVehicle> + '_ {
-        self.lanes
-            .iter()
-            .enumerate()
-            .flat_map(move |(lane, entries)| {
-                (0..entries.len()).filter_map(move |rank| {
-                    let i = entries.at(rank);
-                    (entries.role[i] == Role::Moving).then(|| self.view(lane as u8, entries, i))
-                })
+        self.lanes.iter().enumerate().flat_map(move |(lane, entries)| {
+            (0..entries.len()).filter_map(move |rank| {
+                let i = entries.at(rank);
+                (entries.role[i] == Role::Moving).then(|| self.view(lane as u8, entries, i))
             })
+        })
     }
 
     fn view(&self, lane: u8, entries: &Lane, i: usize) -> FlowVehicle {

@@ -12,16 +12,12 @@ pub(crate) struct Neighbour {
 
 /// The nearest vehicle ahead in `lane`.
 pub(crate) fn ahead(scene: &Scene, road: &Road, lane: u8) -> Option<Neighbour> {
-    nearest(scene, |v| {
-        road.lane_at(v.y_m) == Some(lane) && v.x_m > scene.ego.x_m
-    })
+    nearest(scene, |v| road.lane_at(v.y_m) == Some(lane) && v.x_m > scene.ego.x_m)
 }
 
 /// The nearest vehicle behind, or beside with its centre behind, in `lane`.
 pub(crate) fn behind(scene: &Scene, road: &Road, lane: u8) -> Option<Neighbour> {
-    nearest(scene, |v| {
-        road.lane_at(v.y_m) == Some(lane) && v.x_m <= scene.ego.x_m
-    })
+    nearest(scene, |v| road.lane_at(v.y_m) == Some(lane) && v.x_m <= scene.ego.x_m)
 }
 
 /// The nearest vehicle ahead in `lane`, or about to take it: `claims` has the scene's order.
@@ -75,10 +71,7 @@ fn closest<'a>(
     vehicles: impl Iterator<Item = &'a VehicleState>,
 ) -> Option<Neighbour> {
     vehicles
-        .map(|v| Neighbour {
-            vehicle: *v,
-            gap_m: bumper_distance_m(&scene.ego, v).abs(),
-        })
+        .map(|v| Neighbour { vehicle: *v, gap_m: bumper_distance_m(&scene.ego, v).abs() })
         .min_by(|a, b| a.gap_m.total_cmp(&b.gap_m))
 }
 
@@ -112,14 +105,8 @@ mod tests {
         (over[2], over[4]) = (Some(0), Some(1));
         let ahead = |lane, claims| found(ahead_or_entering(&scene, &road, lane, claims));
         let behind = |lane, claims| found(behind_or_entering(&scene, &road, lane, claims));
-        assert_eq!(
-            (ahead(0, &nobody), ahead(0, &over)),
-            (Some((2, 30.0)), Some((3, 10.0)))
-        );
-        assert_eq!(
-            (behind(1, &nobody), behind(1, &over)),
-            (Some((4, 20.0)), Some((5, 10.0)))
-        );
+        assert_eq!((ahead(0, &nobody), ahead(0, &over)), (Some((2, 30.0)), Some((3, 10.0))));
+        assert_eq!((behind(1, &nobody), behind(1, &over)), (Some((4, 20.0)), Some((5, 10.0))));
         let mut near = scene.clone();
         near.vehicles[2].y_m = 2.1;
         assert_eq!(found(in_the_way(&near, 1.9, 0.2)), Some((2, 30.0)));

@@ -71,10 +71,7 @@ impl Scenario {
     pub fn paper() -> Self {
         let mut settings = ScenarioSettings::default();
         settings.vehicle.integrator = Integrator::InTurn;
-        Self {
-            settings,
-            centre_line: CentreLine::default(),
-        }
+        Self { settings, centre_line: CentreLine::default() }
     }
 
     /// The same scenario over another time.
@@ -122,10 +119,7 @@ impl TryFrom<ScenarioSettings> for Scenario {
             background.check_beside(&settings)?;
         }
         let centre_line = CentreLine::new(&settings.road.segments);
-        Ok(Self {
-            settings,
-            centre_line,
-        })
+        Ok(Self { settings, centre_line })
     }
 }
 

@@ -137,21 +137,13 @@ impl<'a> Session<'a> {
             }
             Driver::Evidence(params) => {
                 check_section("driver", params)?;
-                shape = PathShape::Eased {
-                    lateness: params.lateness,
-                };
+                shape = PathShape::Eased { lateness: params.lateness };
                 Seat::Evidence(EvidenceDriver::new(params, vehicle, road, line, seed))
             }
             Driver::Automated(planner, controllers) => {
                 check_section("controllers", controllers)?;
                 rule = controllers.clone();
-                Seat::Automated(AutomatedDriver::new(
-                    planner,
-                    controllers,
-                    vehicle,
-                    road,
-                    line,
-                ))
+                Seat::Automated(AutomatedDriver::new(planner, controllers, vehicle, road, line))
             }
             Driver::Hands => Seat::Hands,
         };
@@ -161,12 +153,7 @@ impl<'a> Session<'a> {
             road.lane_centre_m(start.lane),
             MetresPerSecond::from_mph(start.speed_mph).0,
         );
-        let steering = Steering::new(
-            road.lane_width_m,
-            rule.stanley_gain_per_s,
-            start.lane,
-            shape,
-        );
+        let steering = Steering::new(road.lane_width_m, rule.stanley_gain_per_s, start.lane, shape);
         let rows = (settings.duration_s * PLANNING_RATE_HZ).round() as usize;
         Ok(Self {
             settings,
@@ -186,10 +173,7 @@ impl<'a> Session<'a> {
             started_changes: 0,
             trace: Vec::new(),
             stopped: None,
-            ego: EgoTrack {
-                length_m: vehicle.length_m,
-                ..EgoTrack::default()
-            },
+            ego: EgoTrack { length_m: vehicle.length_m, ..EgoTrack::default() },
             time_s: Vec::with_capacity(rows),
             rows,
             action: Action::NOTHING,
@@ -221,10 +205,7 @@ impl<'a> Session<'a> {
     /// can have; [`SimulatorError::OwnTraffic`] in a session that moves its own traffic.
     pub fn meet(&mut self, vehicles: &[VehicleState]) -> Result<(), SimulatorError> {
         let row = self.time_s.len();
-        let elsewhere = self
-            .world
-            .elsewhere_mut()
-            .ok_or(SimulatorError::OwnTraffic)?;
+        let elsewhere = self.world.elsewhere_mut().ok_or(SimulatorError::OwnTraffic)?;
         Ok(elsewhere.tell(vehicles, row)?)
     }
 
@@ -361,8 +342,7 @@ impl<'a> Session<'a> {
         self.ego.speed_mps.push(scene.ego.speed_mps);
         self.world.record(row);
         let width_m = self.settings.vehicle.width_m;
-        self.watch
-            .look(row, &self.scene, &self.road, &self.rule, width_m);
+        self.watch.look(row, &self.scene, &self.road, &self.rule, width_m);
     }
 
     fn act(&mut self) -> Action {

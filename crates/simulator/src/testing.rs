@@ -30,12 +30,7 @@ pub(crate) fn other(id: u32, gap_m: f64, y_m: f64, speed_mps: f64) -> VehicleSta
 pub(crate) fn scene(y_m: f64, speed_mps: f64, vehicles: &[VehicleState]) -> Scene {
     Scene {
         time_s: 0.0,
-        ego: EgoState {
-            x_m: 0.0,
-            y_m,
-            speed_mps,
-            length_m: 5.0,
-        },
+        ego: EgoState { x_m: 0.0, y_m, speed_mps, length_m: 5.0 },
         vehicles: vehicles.to_vec(),
     }
 }

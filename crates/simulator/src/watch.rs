@@ -56,11 +56,7 @@ impl Watch {
         self.touching = touching;
         let share = ahead(scene, road, road.nearest_lane(ego.y_m)).map_or(1.0, |n| {
             let safe_m = safe_distance_m(rule, ego.speed_mps, n.vehicle.speed_mps);
-            if n.gap_m < safe_m {
-                n.gap_m / safe_m
-            } else {
-                1.0
-            }
+            if n.gap_m < safe_m { n.gap_m / safe_m } else { 1.0 }
         });
         let too_near = share < 1.0;
         self.violations += u32::from(too_near && !self.too_near);

@@ -27,11 +27,7 @@ struct TargetSpeed {
 
 impl TargetSpeed {
     fn value_mps(&self) -> f64 {
-        if self.rows > 0.0 {
-            self.sum_mps / self.rows
-        } else {
-            self.posted_mps
-        }
+        if self.rows > 0.0 { self.sum_mps / self.rows } else { self.posted_mps }
     }
 }
 
@@ -64,11 +60,7 @@ impl<'a> World<'a> {
             line: scenario.centre_line(),
             cars: Vec::new(),
             tracks: Vec::new(),
-            target: TargetSpeed {
-                posted_mps: road.posted_speed_mps,
-                sum_mps: 0.0,
-                rows: 0.0,
-            },
+            target: TargetSpeed { posted_mps: road.posted_speed_mps, sum_mps: 0.0, rows: 0.0 },
             schedule: LeadSchedule::new(settings, road.posted_speed_mps, stream("leads")),
             off_lane: OffLaneTraffic::new(&settings.off_lane, stream("off_lane")),
             blockade: None,
@@ -82,10 +74,7 @@ impl<'a> World<'a> {
                 lane: placed.lane,
                 speed_mps: placed.speed_mps,
                 role: if placed.script.is_empty() {
-                    Role::Steady {
-                        speed_mps: placed.speed_mps,
-                        passing_by: false,
-                    }
+                    Role::Steady { speed_mps: placed.speed_mps, passing_by: false }
                 } else {
                     Role::Scripted(Script::new(index, placed.speed_mps))
                 },
@@ -186,14 +175,8 @@ impl<'a> World<'a> {
         }
         let limit_m = self.settings.leads.removed_m;
         self.cars.retain(|car| {
-            let stays = matches!(
-                car.role,
-                Role::Scripted(_)
-                    | Role::Steady {
-                        passing_by: false,
-                        ..
-                    }
-            );
+            let stays =
+                matches!(car.role, Role::Scripted(_) | Role::Steady { passing_by: false, .. });
             stays || distance_m(ego, &car.state).abs() <= limit_m
         });
         self.let_arrive(ego, row + 1, time_s);
@@ -204,11 +187,8 @@ impl<'a> World<'a> {
                 car.lane = script.follow(vehicles, &mut car.state, ego, &self.road, time_s);
             }
         }
-        let accelerations: Vec<f64> = self
-            .cars
-            .iter()
-            .map(|car| acceleration::held_back(car, &self.cars, ego))
-            .collect();
+        let accelerations: Vec<f64> =
+            self.cars.iter().map(|car| acceleration::held_back(car, &self.cars, ego)).collect();
         for (car, held_back) in self.cars.iter_mut().zip(accelerations) {
             let free = acceleration::wanted(car, self.settings, self.line, ego, time_s);
             car.acceleration_mps2 = free.min(held_back);

@@ -8,15 +8,12 @@ const STOP_AND_GO: &str = maveric_data::SCENARIOS_STOP_AND_GO;
 
 fn scenario(text: &str, duration_s: f64) -> Scenario {
     let read: Scenario = toml::from_str(text).expect("a scenario of ours");
-    read.with_duration(Seconds(duration_s))
-        .expect("a usual duration")
+    read.with_duration(Seconds(duration_s)).expect("a usual duration")
 }
 
 fn by_person(scenario: &Scenario, seed: u64) -> Rollout {
-    let traits = LatentTraits {
-        aggressiveness: seed as f64 % 3.0 - 1.0,
-        ..LatentTraits::default()
-    };
+    let traits =
+        LatentTraits { aggressiveness: seed as f64 % 3.0 - 1.0, ..LatentTraits::default() };
     let driver = DriverParams::draw(&traits, seed, seed);
     rollout(scenario, Driver::Human(&driver), seed).expect("a drive")
 }
@@ -30,11 +27,7 @@ fn by_car(scenario: &Scenario, seed: u64) -> Rollout {
             (true, _) => LaneWish::MoveBack(When::Now),
             _ => LaneWish::Stay,
         };
-        Setpoints {
-            speed_mps: 30.0,
-            following_distance_m: 1.2 * s.scene.ego.speed_mps,
-            wish,
-        }
+        Setpoints { speed_mps: 30.0, following_distance_m: 1.2 * s.scene.ego.speed_mps, wish }
     };
     let settings = &scenario.settings().controllers;
     rollout(scenario, Driver::Automated(&mut planner, settings), seed).expect("a drive")
@@ -128,10 +121,7 @@ fn a_wave_stops_ego_and_lets_it_go() {
 fn the_same_seed_gives_the_same_drive_and_another_another() {
     let dense = scenario(DENSE, 120.0);
     assert_eq!(by_person(&dense, 5), by_person(&dense, 5));
-    assert_ne!(
-        by_person(&dense, 5).recording,
-        by_person(&dense, 6).recording
-    );
+    assert_ne!(by_person(&dense, 5).recording, by_person(&dense, 6).recording);
 }
 
 #[test]
@@ -149,10 +139,7 @@ fn what_does_not_go_together_is_refused_by_its_key() {
     let message = refused(&|s| s.background.as_mut().unwrap().ring_m = f64::NAN);
     assert!(message.contains("`background.ring_m`"), "{message}");
     let message = refused(&|s| s.background.as_mut().unwrap().mix.car.time_gap_s = 0.0);
-    assert!(
-        message.contains("`background.mix.car.time_gap_s`"),
-        "{message}"
-    );
+    assert!(message.contains("`background.mix.car.time_gap_s`"), "{message}");
     let text = DENSE.replace("keep_right_mps2 =", "keep_write_mps2 =");
     let error = toml::from_str::<Scenario>(&text).unwrap_err();
     assert!(error.to_string().contains("keep_write_mps2"), "{error}");

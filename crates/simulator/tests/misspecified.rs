@@ -7,10 +7,8 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
 fn people() -> People {
-    toml::from_str(include_str!(
-        "../../../study_data/population_misspecified.toml"
-    ))
-    .expect("the shipped file is a population")
+    toml::from_str(include_str!("../../../study_data/population_misspecified.toml"))
+        .expect("the shipped file is a population")
 }
 
 fn drives(n: u64) -> Vec<Rollout> {
@@ -30,9 +28,7 @@ fn drive(rollout: &Rollout) -> Drive {
 }
 
 fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (sum, n) = values
-        .into_iter()
-        .fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    let (sum, n) = values.into_iter().fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
     sum / n
 }
 
@@ -75,9 +71,7 @@ fn the_same_seed_gives_the_same_drive() {
     let (people, scenario) = (people(), Scenario::paper());
     let drive = || {
         let person = people.draw(&LatentTraits::default(), 1, 1);
-        rollout(&scenario, Driver::from(&person), 1)
-            .unwrap()
-            .recording
+        rollout(&scenario, Driver::from(&person), 1).unwrap().recording
     };
     assert_eq!(drive(), drive());
 }
@@ -90,10 +84,7 @@ fn a_population_with_a_misspelt_key_or_of_no_known_kind_is_refused_by_name() {
     assert!(error.contains("lateiness"), "{error}");
     let wrong = text.replace("evidence", "witches");
     let error = toml::from_str::<People>(&wrong).unwrap_err().to_string();
-    assert!(
-        error.contains("witches") && error.contains("evidence"),
-        "{error}"
-    );
+    assert!(error.contains("witches") && error.contains("evidence"), "{error}");
     let wrong = text.replace("gap_error_sd = 0.06", "gap_error_sd = 0.6");
     let error = toml::from_str::<People>(&wrong).unwrap_err().to_string();
     assert!(error.contains("evidence.gap_error_sd"), "{error}");

@@ -33,9 +33,6 @@ fn a_faster_car_that_swings_into_ego_beside_it_side_swiped_it() {
         let driven = rollout(&scenario, driver, number).unwrap();
         let causes: Vec<_> = driven.collisions.iter().map(|c| c.cause).collect();
         assert!(causes.contains(&CollisionCause::Sideswiped), "{causes:?}");
-        assert!(
-            !causes.contains(&CollisionCause::AssumptionsHeld),
-            "{number}: {causes:?}"
-        );
+        assert!(!causes.contains(&CollisionCause::AssumptionsHeld), "{number}: {causes:?}");
     }
 }

@@ -16,10 +16,7 @@ const ALL: [(&str, &str); 9] = [
     ("curved", maveric_data::SCENARIOS_CURVED),
     ("four_lane", maveric_data::SCENARIOS_FOUR_LANE),
     ("cut_in", maveric_data::SCENARIOS_CUT_IN),
-    (
-        "hard_braking_lead",
-        maveric_data::SCENARIOS_HARD_BRAKING_LEAD,
-    ),
+    ("hard_braking_lead", maveric_data::SCENARIOS_HARD_BRAKING_LEAD),
     ("dense", maveric_data::SCENARIOS_DENSE),
     ("motorway_120", maveric_data::SCENARIOS_MOTORWAY_120),
     ("stop_and_go", maveric_data::SCENARIOS_STOP_AND_GO),
@@ -43,11 +40,7 @@ fn every_scenario_is_driven_by_a_person_and_by_a_planner() -> Result<(), Simulat
             assert!(*last > 1000.0, "{name}: {last}");
         }
         let own = |c: &Collision| c.cause == CollisionCause::AssumptionsHeld;
-        assert!(
-            !by_car.collisions.iter().any(own),
-            "{name}: {:?}",
-            by_car.collisions
-        );
+        assert!(!by_car.collisions.iter().any(own), "{name}: {:?}", by_car.collisions);
         assert_eq!(
             by_car.report.interventions as usize,
             by_car
@@ -74,9 +67,7 @@ fn the_follower_is_chosen_by_its_name_and_hits_nobody() -> Result<(), SimulatorE
     }
     assert!(drives[0] != drives[1] && drives[1] != drives[2]);
     let unknown = PAPER.replace("\"asked_gap\"", "\"idn\"");
-    let refusal = toml::from_str::<Scenario>(&unknown)
-        .unwrap_err()
-        .to_string();
+    let refusal = toml::from_str::<Scenario>(&unknown).unwrap_err().to_string();
     assert!(refusal.contains("`asked_gap`, `idm`, `paper`"), "{refusal}");
     Ok(())
 }
@@ -101,20 +92,14 @@ fn bad_scenarios_are_refused_by_the_path_of_the_key() {
         PAPER.replacen(from, to, 1)
     };
     let cases = [
-        (
-            vehicles("[{ ahead_m = 3.0, lane = 0, speed_mps = 20.0 }]"),
-            "`vehicles[0].ahead_m` is 3",
-        ),
+        (vehicles("[{ ahead_m = 3.0, lane = 0, speed_mps = 20.0 }]"), "`vehicles[0].ahead_m` is 3"),
         (
             vehicles(
                 "[{ ahead_m = 60.0, lane = 1, speed_mps = 20.0 }, { ahead_m = 63.0, lane = 1, speed_mps = 20.0 }]",
             ),
             "`vehicles[1].ahead_m` is 63",
         ),
-        (
-            vehicles("[{ ahead_m = 60.0, lane = 2, speed_mps = 20.0 }]"),
-            "`vehicles[0].lane` is 2",
-        ),
+        (vehicles("[{ ahead_m = 60.0, lane = 2, speed_mps = 20.0 }]"), "`vehicles[0].lane` is 2"),
         (
             vehicles("[{ ahead_m = inf, lane = 0, speed_mps = 20.0 }]"),
             "`vehicles[0].ahead_m` is inf",
@@ -131,47 +116,23 @@ fn bad_scenarios_are_refused_by_the_path_of_the_key() {
             ),
             "`vehicles[0].script[0].duration_s` is 0",
         ),
-        (
-            vehicles("[{ ahead_m = 60.0, lane = 0, speed = 20.0 }]"),
-            "unknown field `speed`",
-        ),
+        (vehicles("[{ ahead_m = 60.0, lane = 0, speed = 20.0 }]"), "unknown field `speed`"),
         (
             bends("[{ kind = \"arc\", length_m = 10.0, radius_m = 20.0 }]"),
             "`road.segments[0].radius_m` is 20",
         ),
-        (
-            bends("[{ kind = \"straight\", length_m = 0.0 }]"),
-            "`road.segments[0].length_m` is 0",
-        ),
-        (
-            bends("[{ kind = \"spiral\", length_m = 10.0 }]"),
-            "unknown variant `spiral`",
-        ),
-        (
-            key("step_s = 0.01", "step_s = 0.0"),
-            "`vehicle.step_s` is 0",
-        ),
-        (
-            key("step_s = 0.01", "step_s = 0.03"),
-            "a whole fraction of 0.05 s",
-        ),
+        (bends("[{ kind = \"straight\", length_m = 0.0 }]"), "`road.segments[0].length_m` is 0"),
+        (bends("[{ kind = \"spiral\", length_m = 10.0 }]"), "unknown variant `spiral`"),
+        (key("step_s = 0.01", "step_s = 0.0"), "`vehicle.step_s` is 0"),
+        (key("step_s = 0.01", "step_s = 0.03"), "a whole fraction of 0.05 s"),
         (key("lanes = 2", "lanes = 9"), "`road.lanes` is 9"),
         (
             key("appears_ahead_m = 200.0", "appears_ahead_m = -200.0"),
             "`leads.appears_ahead_m` is -200",
         ),
-        (
-            key("friction = 0.9", "friction = nan"),
-            "`vehicle.dynamics.friction` is NaN",
-        ),
-        (
-            key("front_axle_m = 1.25", "front_axle_m = 1.8"),
-            "where the car would oversteer",
-        ),
-        (
-            key("margin_m = 2.0", "margin_m = -2.0"),
-            "`controllers.margin_m` is -2",
-        ),
+        (key("friction = 0.9", "friction = nan"), "`vehicle.dynamics.friction` is NaN"),
+        (key("front_axle_m = 1.25", "front_axle_m = 1.8"), "where the car would oversteer"),
+        (key("margin_m = 2.0", "margin_m = -2.0"), "`controllers.margin_m` is -2"),
     ];
     for (text, expected) in cases {
         let error = toml::from_str::<Scenario>(&text).unwrap_err().to_string();

@@ -86,13 +86,7 @@ fn compare_24(bencher: divan::Bencher) {
 fn bootstrap_eta2(bencher: divan::Bencher) {
     let data = table(24, 4, 100.0);
     let settings = BootstrapSettings::default();
-    bencher.bench(|| {
-        bootstrap(
-            Statistic::Eta2Partial,
-            BootstrapData::Within(&data),
-            &settings,
-        )
-    });
+    bencher.bench(|| bootstrap(Statistic::Eta2Partial, BootstrapData::Within(&data), &settings));
 }
 
 /// A long table: subjects, names of the columns of `data`, values.

@@ -1,8 +1,5 @@
 //! From a table to a finding: which stool is hardest to rise from (Wretenberg et al., 1993)?
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows its finding on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows its finding on the terminal")]
 
 use maveric_stats::{StatsError, WithinSubjects, compare};
 

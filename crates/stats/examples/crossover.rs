@@ -1,10 +1,7 @@
 //! What the tests of a crossover find where conditions do not differ, and how carry-over is estimated where it is planted.
 //!
 //! `cargo run --release -p maveric-stats --example crossover [DATA_SETS]`; 5,000 tables a row by default.
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows its table on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows its table on the terminal")]
 
 mod support;
 
@@ -58,19 +55,13 @@ const PLAIN: Study = Study {
 /// Rows of a Williams square.
 fn orders(k: usize) -> Vec<Vec<usize>> {
     let zigzag = |i: usize| {
-        if i % 2 == 1 {
-            i.div_ceil(2)
-        } else {
-            (k - i / 2) % k
-        }
+        if i % 2 == 1 { i.div_ceil(2) } else { (k - i / 2) % k }
     };
     let row = |add: usize| (0..k).map(|i| (zigzag(i) + add) % k).collect::<Vec<_>>();
     let mut rows: Vec<Vec<usize>> = (0..k).map(row).collect();
     if k % 2 == 1 {
-        let turned: Vec<Vec<usize>> = rows
-            .iter()
-            .map(|r| r.iter().rev().copied().collect())
-            .collect();
+        let turned: Vec<Vec<usize>> =
+            rows.iter().map(|r| r.iter().rev().copied().collect()).collect();
         rows.extend(turned);
     }
     rows
@@ -130,11 +121,7 @@ impl Study {
             values: &values,
             ..DesignColumns::default()
         };
-        let choice = DesignChoice {
-            test: self.test,
-            exact: false,
-            ..DesignChoice::default()
-        };
+        let choice = DesignChoice { test: self.test, exact: false, ..DesignChoice::default() };
         let mut outcome = Outcome::default();
         let pair = |pairs: &maveric_stats::Named<maveric_stats::MarginalContrast>| {
             let known = pairs.get("a|b").or_else(|| pairs.get("b|a"));
@@ -142,11 +129,8 @@ impl Study {
         };
         if let Ok(tested) = compare_by_design(&data, &choice) {
             for (name, p) in tested.effects() {
-                let place = if name == PERIOD {
-                    &mut outcome.period
-                } else {
-                    &mut outcome.conditions
-                };
+                let place =
+                    if name == PERIOD { &mut outcome.period } else { &mut outcome.conditions };
                 *place = p;
             }
             outcome.contrast = match &tested {
@@ -218,10 +202,8 @@ fn main() {
     );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for study in &studies {
-        let outcomes: Vec<Outcome> = (0..tables)
-            .into_par_iter()
-            .map(|seed| study.run(seed))
-            .collect();
+        let outcomes: Vec<Outcome> =
+            (0..tables).into_par_iter().map(|seed| study.run(seed)).collect();
         let off: Vec<f64> = outcomes.iter().filter_map(|f| f.off).collect();
         let n = off.len() as f64;
         let mean = off.iter().sum::<f64>() / n;

@@ -7,10 +7,7 @@
 //!
 //! Each step of the procedure is also looked at alone: the analysis of variance without a correction, with Greenhouse and
 //! Geisser's, and Friedman's chi-squared.
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows its table on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows its table on the terminal")]
 
 mod support;
 
@@ -43,48 +40,23 @@ struct Kind {
 }
 
 const KINDS: [Kind; 7] = [
-    Kind {
-        name: "normal, spherical",
-        spread: [1.0; K],
-        shape: |z| z,
-        written: |v| v,
-    },
-    Kind {
-        name: "normal, epsilon .9",
-        spread: [1.0, 1.0, 1.0, 1.6],
-        shape: |z| z,
-        written: |v| v,
-    },
-    Kind {
-        name: "normal, epsilon .7",
-        spread: [1.0, 1.0, 1.5, 2.5],
-        shape: |z| z,
-        written: |v| v,
-    },
+    Kind { name: "normal, spherical", spread: [1.0; K], shape: |z| z, written: |v| v },
+    Kind { name: "normal, epsilon .9", spread: [1.0, 1.0, 1.0, 1.6], shape: |z| z, written: |v| v },
+    Kind { name: "normal, epsilon .7", spread: [1.0, 1.0, 1.5, 2.5], shape: |z| z, written: |v| v },
     Kind {
         name: "normal, epsilon .36",
         spread: [0.4, 0.4, 0.4, 4.0],
         shape: |z| z,
         written: |v| v,
     },
-    Kind {
-        name: "lognormal, spherical",
-        spread: [1.0; K],
-        shape: f64::exp,
-        written: |v| v,
-    },
+    Kind { name: "lognormal, spherical", spread: [1.0; K], shape: f64::exp, written: |v| v },
     Kind {
         name: "answers from 1 to 7",
         spread: [1.0; K],
         shape: |z| z,
         written: |v| (4.0 + v).round().clamp(1.0, 7.0),
     },
-    Kind {
-        name: "heavy tails (z cubed)",
-        spread: [1.0; K],
-        shape: |z| z.powi(3),
-        written: |v| v,
-    },
+    Kind { name: "heavy tails (z cubed)", spread: [1.0; K], shape: |z| z.powi(3), written: |v| v },
 ];
 
 fn data(generator: &mut Pcg64, kind: &Kind) -> Result<WithinSubjects, StatsError> {
@@ -137,11 +109,7 @@ fn look(
         result.omnibus.reject
     };
     if check {
-        assert_eq!(
-            compare(&data, ALPHA)?.omnibus.reject,
-            finding,
-            "the short cut differs"
-        );
+        assert_eq!(compare(&data, ALPHA)?.omnibus.reject, finding, "the short cut differs");
     }
     let tests = within_without_exact(&data);
     let below = |p: Option<f64>| usize::from(p.is_some_and(|p| p < ALPHA));

@@ -2,10 +2,7 @@
 //!
 //! `cargo run --release -p maveric-stats --example false_positives_by_design [DATA_SETS] [PART OF A NAME]`; 10,000 data sets a row by
 //! default, a fifth of that where a mixed model or one of ordered answers is fitted.
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows its table on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows its table on the terminal")]
 
 mod support;
 
@@ -126,12 +123,9 @@ fn variations(base: &Cell) -> Vec<Cell> {
         variant("a covariate of people, slopes 1.5", &|c| {
             (c.covariate, c.slope) = (Covariate::OfPeople, 1.5);
         }),
-        variant(
-            "a covariate of people, slopes 1.5, lognormal errors",
-            &|c| {
-                (c.covariate, c.slope, c.values) = (Covariate::OfPeople, 1.5, Values::Skewed);
-            },
-        ),
+        variant("a covariate of people, slopes 1.5, lognormal errors", &|c| {
+            (c.covariate, c.slope, c.values) = (Covariate::OfPeople, 1.5, Values::Skewed);
+        }),
         variant("a declared product, slopes 1.5", &|c| {
             (c.covariate, c.slope) = (Covariate::Declared, 1.5);
         }),
@@ -142,23 +136,15 @@ fn variations(base: &Cell) -> Vec<Cell> {
         variant("both main effects present, slopes 1.5", &|c| {
             (c.first, c.other, c.slope) = (1.5, 1.5, 1.5);
         }),
-        variant(
-            "both main effects present, slopes 1.5, lognormal errors",
-            &|c| {
-                (c.first, c.other, c.slope, c.values) = (1.5, 1.5, 1.5, Values::Skewed);
-            },
-        ),
+        variant("both main effects present, slopes 1.5, lognormal errors", &|c| {
+            (c.first, c.other, c.slope, c.values) = (1.5, 1.5, 1.5, Values::Skewed);
+        }),
     ]
 }
 
 fn cells() -> Vec<Cell> {
     let mut cells = Vec::new();
-    let within = |design, groups, within| Cell {
-        design,
-        groups,
-        within,
-        ..PLAIN
-    };
+    let within = |design, groups, within| Cell { design, groups, within, ..PLAIN };
     for base in [
         within("2 x 2, 24 people", &[24], &[2, 2]),
         within("2 x 2, 12 people", &[12], &[2, 2]),
@@ -183,12 +169,7 @@ fn cells() -> Vec<Cell> {
                 ("the 8 twice as spread", Values::Normal),
                 ("the 8 twice as spread, lognormal errors", Values::Skewed),
             ] {
-                cells.push(Cell {
-                    data,
-                    values,
-                    first_group: 2.0,
-                    ..base.clone()
-                });
+                cells.push(Cell { data, values, first_group: 2.0, ..base.clone() });
             }
         }
     }
@@ -196,30 +177,15 @@ fn cells() -> Vec<Cell> {
         within("groups of 12 and 12", &[12, 12], &[]),
         within("groups of 8, 12, 16", &[8, 12, 16], &[]),
     ] {
-        for (data, values) in [
-            ("normal", Values::Normal),
-            ("lognormal errors", Values::Skewed),
-        ] {
-            cells.push(Cell {
-                data,
-                values,
-                ..base.clone()
-            });
+        for (data, values) in [("normal", Values::Normal), ("lognormal errors", Values::Skewed)] {
+            cells.push(Cell { data, values, ..base.clone() });
         }
     }
     for (design, groups, values) in [
         ("an item, 4 conditions, 24 people", &[24], Values::Answers),
-        (
-            "an item, mostly 1 and 2, 4 conditions, 24 people",
-            &[24],
-            Values::LowAnswers,
-        ),
+        ("an item, mostly 1 and 2, 4 conditions, 24 people", &[24], Values::LowAnswers),
         ("an item, 4 conditions, 12 people", &[12], Values::Answers),
-        (
-            "an item, mostly 1 and 2, 4 conditions, 12 people",
-            &[12],
-            Values::LowAnswers,
-        ),
+        ("an item, mostly 1 and 2, 4 conditions, 12 people", &[12], Values::LowAnswers),
     ] {
         cells.push(Cell {
             design,
@@ -234,11 +200,7 @@ fn cells() -> Vec<Cell> {
     for base in [
         within("missing cells kept, 2 x 2, 24 people", &[24], &[2, 2]),
         within("missing cells kept, 3 x 3, 12 people", &[12], &[3, 3]),
-        within(
-            "missing cells kept, 3 conditions, 12 and 12",
-            &[12, 12],
-            &[3],
-        ),
+        within("missing cells kept, 3 conditions, 12 and 12", &[12, 12], &[3]),
         within("a covariate of rows, 2 x 2, 24 people", &[24], &[2, 2]),
     ] {
         let of_rows = base.design.starts_with("a covariate");
@@ -253,11 +215,7 @@ fn cells() -> Vec<Cell> {
                 slope,
                 values,
                 missing: if of_rows { 0.0 } else { 0.05 },
-                covariate: if of_rows {
-                    Covariate::OfRows
-                } else {
-                    Covariate::None
-                },
+                covariate: if of_rows { Covariate::OfRows } else { Covariate::None },
                 ..base.clone()
             });
         }
@@ -339,15 +297,8 @@ impl Cell {
         }
         let data = DesignColumns {
             subjects: &people,
-            within: ["a", "b"]
-                .into_iter()
-                .zip(factors.iter().map(Vec::as_slice))
-                .collect(),
-            between: if self.groups.len() > 1 {
-                vec![("group", &group)]
-            } else {
-                Vec::new()
-            },
+            within: ["a", "b"].into_iter().zip(factors.iter().map(Vec::as_slice)).collect(),
+            between: if self.groups.len() > 1 { vec![("group", &group)] } else { Vec::new() },
             covariates: if self.covariate == Covariate::None {
                 Vec::new()
             } else {
@@ -364,16 +315,8 @@ impl Cell {
         };
         let choice = DesignChoice {
             test: AskedTest::Chosen,
-            scale: if self.item {
-                OutcomeScale::Rating
-            } else {
-                OutcomeScale::Measure
-            },
-            missing: if self.missing > 0.0 {
-                MissingCells::Mixed
-            } else {
-                MissingCells::Listwise
-            },
+            scale: if self.item { OutcomeScale::Rating } else { OutcomeScale::Measure },
+            missing: if self.missing > 0.0 { MissingCells::Mixed } else { MissingCells::Listwise },
             alpha: ALPHA,
             exact: false,
         };
@@ -406,11 +349,7 @@ struct Seen {
 
 fn by_ranks(found: &ByDesign) -> bool {
     use maveric_stats::{ChosenTest, OmnibusTest};
-    let ranks = [
-        ChosenTest::Ranks,
-        ChosenTest::MannWhitney,
-        ChosenTest::KruskalWallis,
-    ];
+    let ranks = [ChosenTest::Ranks, ChosenTest::MannWhitney, ChosenTest::KruskalWallis];
     match found {
         ByDesign::OneFactor(found) => {
             [OmnibusTest::Friedman, OmnibusTest::Wilcoxon].contains(&found.chosen)
@@ -466,10 +405,7 @@ fn main() -> Result<(), StatsError> {
             let none = sets - seen.tested;
             rates.push(match none {
                 0 => format!("{effect} {}", short.trim_start_matches('0')),
-                none => format!(
-                    "{effect} {} (no p in {none})",
-                    short.trim_start_matches('0')
-                ),
+                none => format!("{effect} {} (no p in {none})", short.trim_start_matches('0')),
             });
             if rate.low > TOO_MANY {
                 high.push(effect.as_str());

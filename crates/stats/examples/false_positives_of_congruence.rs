@@ -4,10 +4,7 @@
 //!
 //! People differ in their level and in where their top lies (SD of 3 points), and get used to the rides. The bound is 5 points; the movement is
 //! that over ± 1 SD of the table's own.
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows its table on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows its table on the terminal")]
 
 mod support;
 
@@ -64,9 +61,7 @@ fn one(
             let value = level - truth.bend * (moved - best).powi(2) + slope * moved;
             subjects.push(person.to_string());
             periods.push(Some(period.to_string()));
-            liking.push(Some(
-                value + 0.1 * period as f64 + 0.7 * normal(&mut generator),
-            ));
+            liking.push(Some(value + 0.1 * period as f64 + 0.7 * normal(&mut generator)));
             distances.push(Some(*moved));
             owns.push(Some(*own));
         }
@@ -84,57 +79,21 @@ fn one(
 
 fn main() -> Result<(), StatsError> {
     let tables = tables_or(5_000);
-    let bent = Truth {
-        top: 0.0,
-        movement: 0.0,
-        bend: 0.01,
-        line: 0.0,
-    };
+    let bent = Truth { top: 0.0, movement: 0.0, bend: 0.01, line: 0.0 };
     let kinds = [
         ("top at the bound", Truth { top: BOUND, ..bent }),
-        (
-            "moves by the bound",
-            Truth {
-                movement: BOUND,
-                ..bent
-            },
-        ),
-        (
-            "both",
-            Truth {
-                top: BOUND,
-                movement: -BOUND,
-                ..bent
-            },
-        ),
+        ("moves by the bound", Truth { movement: BOUND, ..bent }),
+        ("both", Truth { top: BOUND, movement: -BOUND, ..bent }),
         ("flat", Truth { bend: 0.0, ..bent }),
-        (
-            "a line",
-            Truth {
-                bend: 0.0,
-                line: 0.05,
-                ..bent
-            },
-        ),
-        (
-            "a bottom",
-            Truth {
-                bend: -0.004,
-                ..bent
-            },
-        ),
+        ("a line", Truth { bend: 0.0, line: 0.05, ..bent }),
+        ("a bottom", Truth { bend: -0.004, ..bent }),
         ("near and stays", bent),
     ];
     println!("share of tables: near; stays; both, with its 95 % interval; tables with tests");
     let three = [-15.0, 0.0, 15.0];
     let five = [-15.0, -7.5, 0.0, 7.5, 15.0];
-    for (people, places) in [
-        (6, &three[..]),
-        (12, &three),
-        (24, &three),
-        (24, &five),
-        (48, &three),
-    ] {
+    for (people, places) in [(6, &three[..]), (12, &three), (24, &three), (24, &five), (48, &three)]
+    {
         for (name, truth) in kinds {
             let tests: Vec<Option<(bool, bool)>> = (0..tables)
                 .into_par_iter()

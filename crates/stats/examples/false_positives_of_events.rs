@@ -4,10 +4,7 @@
 //!
 //! Rates: people in four conditions of ten minutes who press at a rate of their own, evenly or in bursts. Before a press: an exposure that goes
 //! up and down slowly, in minutes of 60 seconds, and presses at any of them; then presses that follow it, by a log odds ratio of .5.
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows its table on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows its table on the terminal")]
 
 mod support;
 
@@ -44,10 +41,7 @@ fn rates_differ(
                 let bursts = poisson(&mut generator, rate / burst as f64);
                 let events =
                     (0..bursts).map(|_| 1 + generator.next_u64() as usize % (2 * burst - 1));
-                Exposed {
-                    events: events.sum(),
-                    time: 10.0,
-                }
+                Exposed { events: events.sum(), time: 10.0 }
             };
             conditions.iter().map(cell).collect()
         })
@@ -68,11 +62,7 @@ fn cause(
     for person in 0..people {
         // People differ in what they are exposed to, and in what it does to them.
         let scale = (0.5 * normal(&mut generator)).exp();
-        let person_slope = if common {
-            slope
-        } else {
-            slope + 0.5 * normal(&mut generator)
-        };
+        let person_slope = if common { slope } else { slope + 0.5 * normal(&mut generator) };
         for _ in 0..=poisson(&mut generator, presses as f64 - 1.0) {
             let mut level = normal(&mut generator);
             let course: Vec<f64> = (0..60)
@@ -97,10 +87,7 @@ fn cause(
         }
     }
     let result = case_crossover(&strata);
-    let of_one = result
-        .estimate
-        .zip(result.sd)
-        .map(|(estimate, sd)| estimate / sd);
+    let of_one = result.estimate.zip(result.sd).map(|(estimate, sd)| estimate / sd);
     (result.p, of_one)
 }
 
@@ -109,11 +96,7 @@ fn print_share(name: &str, p: &[Option<f64>]) -> Result<(), StatsError> {
     let below = there.iter().filter(|p| **p < ALPHA).count();
     let share = proportion(below, there.len(), 0.95)?;
     let (low, high) = share.ends();
-    println!(
-        "{name:<62} {:.3}  [{low:.3}, {high:.3}]  of {}",
-        share.estimate,
-        there.len()
-    );
+    println!("{name:<62} {:.3}  [{low:.3}, {high:.3}]  of {}", share.estimate, there.len());
     Ok(())
 }
 
@@ -139,11 +122,7 @@ fn main() -> Result<(), StatsError> {
             let p: Vec<Option<f64>> = results.iter().map(|(p, _)| *p).collect();
             let estimates: Vec<f64> = results.iter().filter_map(|(_, e)| *e).collect();
             let mean = estimates.iter().sum::<f64>() / estimates.len() as f64;
-            let alike = if common {
-                "the same in all"
-            } else {
-                "not the same in all"
-            };
+            let alike = if common { "the same in all" } else { "not the same in all" };
             print_share(
                 &format!(
                     "before a press, {people} people, {presses} presses, slope {slope} ({alike}), found {mean:.3}"

@@ -2,10 +2,7 @@
 //!
 //! `cargo run --release -p maveric-stats --example fuzz_within [SECONDS]`; 60 by default. A table may be refused; an answer
 //! may hold no NaN or infinity, no p of 0, and no missing number without a reason. A panic ends the run.
-#![expect(
-    clippy::print_stdout,
-    reason = "an example shows what it found on the terminal"
-)]
+#![expect(clippy::print_stdout, reason = "an example shows what it found on the terminal")]
 
 use maveric_stats::{
     Adjustment, CorrelationMethod, PosthocTest, WithinSubjects, alpha, compare, correlate, levene,
@@ -16,20 +13,8 @@ use rand_pcg::Pcg64;
 use serde_json::Value;
 use std::time::{Duration, Instant};
 
-const ODD: [f64; 12] = [
-    0.0,
-    -0.0,
-    1e-300,
-    5e-324,
-    1e75,
-    -1e75,
-    1e76,
-    f64::NAN,
-    f64::INFINITY,
-    0.1,
-    0.3,
-    1e12,
-];
+const ODD: [f64; 12] =
+    [0.0, -0.0, 1e-300, 5e-324, 1e75, -1e75, 1e76, f64::NAN, f64::INFINITY, 0.1, 0.3, 1e12];
 
 struct Draws(Pcg64);
 
@@ -115,10 +100,7 @@ fn main() {
             Ok(data) => {
                 answers.extend(serde_json::to_value(within(&data)));
                 answers.extend(
-                    compare(&data, 0.05)
-                        .ok()
-                        .map(serde_json::to_value)
-                        .and_then(Result::ok),
+                    compare(&data, 0.05).ok().map(serde_json::to_value).and_then(Result::ok),
                 );
                 for test in [
                     PosthocTest::T,
@@ -135,17 +117,11 @@ fn main() {
         let (x, y) = values.split_at(values.len() / 2);
         let y = &y[..x.len()];
         let others = [
-            correlate(x, y, CorrelationMethod::All, None)
-                .ok()
-                .map(serde_json::to_value),
-            rm_correlation(&subjects[..x.len()], x, y)
-                .ok()
-                .map(serde_json::to_value),
+            correlate(x, y, CorrelationMethod::All, None).ok().map(serde_json::to_value),
+            rm_correlation(&subjects[..x.len()], x, y).ok().map(serde_json::to_value),
             normality(&values).ok().map(serde_json::to_value),
             levene(&conditions, &values).ok().map(serde_json::to_value),
-            alpha(&[("x", x), ("y", y)], None)
-                .ok()
-                .map(serde_json::to_value),
+            alpha(&[("x", x), ("y", y)], None).ok().map(serde_json::to_value),
         ];
         answers.extend(others.into_iter().flatten().flatten());
         for answer in &answers {

@@ -75,11 +75,7 @@ impl Adjustment {
             Self::Bh => m as f64 / (position + 1) as f64,
             Self::None => 1.0,
         };
-        let mut running = if matches!(self, Self::Hochberg | Self::Bh) {
-            1.0
-        } else {
-            0.0
-        };
+        let mut running = if matches!(self, Self::Hochberg | Self::Bh) { 1.0 } else { 0.0 };
         for step in 0..m {
             let position = match self {
                 Self::Hochberg | Self::Bh => m - 1 - step,

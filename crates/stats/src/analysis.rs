@@ -308,14 +308,9 @@ fn column_squares(data: &WithinSubjects) -> Vec<(f64, f64)> {
             sum.1 += deviation;
         }
     }
-    let centres = pivots
-        .iter()
-        .zip(&shifts)
-        .map(|(pivot, shift)| pivot + shift);
+    let centres = pivots.iter().zip(&shifts).map(|(pivot, shift)| pivot + shift);
     // What rounding of the mean leaves over is taken out.
-    let squares = sums
-        .iter()
-        .map(|(squares, rest)| (squares - rest * rest / n).max(0.0));
+    let squares = sums.iter().map(|(squares, rest)| (squares - rest * rest / n).max(0.0));
     centres.zip(squares).collect()
 }
 
@@ -354,10 +349,7 @@ pub(crate) fn wilcoxon(
         .with_holm(|r| r.p, |r, p| r.p_holm = p)
         .with_holm(|r| r.p_exact, |r, p| r.p_exact_holm = p)
         .with_holm(|r| r.p_normal_cc, |r, p| r.p_normal_cc_holm = p)
-        .with_holm(
-            |r| r.compat.p_r_default,
-            |r, p| r.compat.p_r_default_holm = p,
-        )
+        .with_holm(|r| r.compat.p_r_default, |r, p| r.compat.p_r_default_holm = p)
 }
 
 pub(crate) fn conover(
@@ -383,11 +375,7 @@ fn shapiro(
     undefined: &mut Reasons,
 ) -> Named<ShapiroWilk> {
     let residuals = ("residuals".to_owned(), &parts.residuals[..]);
-    let samples = data
-        .conditions()
-        .iter()
-        .cloned()
-        .zip(columns.iter().map(Vec::as_slice));
+    let samples = data.conditions().iter().cloned().zip(columns.iter().map(Vec::as_slice));
     let mut weights = RoystonWeights::default();
     samples
         .chain([residuals])

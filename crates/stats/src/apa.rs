@@ -26,11 +26,7 @@ impl Statement {
     /// `t(23) = −5.90`: a statistic with its degrees of freedom.
     fn with_df(symbol: &str, degrees_of_freedom: &[f64], value: f64) -> Self {
         let df: Vec<String> = degrees_of_freedom.iter().map(|df| degrees(*df)).collect();
-        let df = if df.is_empty() {
-            String::new()
-        } else {
-            format!("({})", df.join(", "))
-        };
+        let df = if df.is_empty() { String::new() } else { format!("({})", df.join(", ")) };
         Self(format!("{symbol}{df} = {}", number(value, 2)))
     }
 
@@ -79,8 +75,7 @@ impl Statement {
         if let Some((low, high)) = ci.ends() {
             let level = number(level * 100.0, 0);
             let ends = [write(low), write(high)].join(", ");
-            self.0
-                .push_str(&[", ", &level, "% CI [", &ends, "]"].concat());
+            self.0.push_str(&[", ", &level, "% CI [", &ends, "]"].concat());
         }
         self
     }
@@ -180,22 +175,14 @@ pub fn degrees(value: f64) -> String {
 
 /// A p without its symbol, as a table's cell has it: `.024`, `< .001`.
 pub fn p_cell(p: f64) -> String {
-    if p < 0.001 {
-        "< .001".to_owned()
-    } else {
-        bounded(p, 3)
-    }
+    if p < 0.001 { "< .001".to_owned() } else { bounded(p, 3) }
 }
 
 fn probability(symbol: &str, p: f64) -> String {
     if !p.is_finite() {
         return format!("{symbol} n/a");
     }
-    if p < 0.001 {
-        format!("{symbol} < .001")
-    } else {
-        format!("{symbol} = {}", bounded(p, 3))
-    }
+    if p < 0.001 { format!("{symbol} < .001") } else { format!("{symbol} = {}", bounded(p, 3)) }
 }
 
 /// `p_Holm` and its like, with marks.
@@ -266,11 +253,7 @@ pub struct F {
 pub fn f(test: &F) -> Statement {
     Statement::f_test([test.df_effect, test.df_error], test.f, test.p)
         .and_bounded("*η*_{p}^{2}", test.eta2_partial)
-        .ci(
-            0.9,
-            test.eta2_partial_ci90.holding(test.eta2_partial),
-            bounded,
-        )
+        .ci(0.9, test.eta2_partial_ci90.holding(test.eta2_partial), bounded)
         .and_bounded("*ε*", test.epsilon)
 }
 
@@ -304,18 +287,14 @@ pub fn t(
 ) -> Statement {
     let statement = Statement::with_df("*t*", &[df], statistic).p(p, adjusted);
     match dz {
-        Some((dz, ci)) => statement
-            .and("*d*_{z}", &number(dz, 2))
-            .ci(0.95, ci, number),
+        Some((dz, ci)) => statement.and("*d*_{z}", &number(dz, 2)).ci(0.95, ci, number),
         None => statement,
     }
 }
 
 /// `V = 45, p_Holm = .012, r_rb = −.52`: Wilcoxon's signed ranks with the rank-biserial correlation.
 pub fn wilcoxon(v: f64, p: f64, adjusted: Adjustment, rank_biserial: Option<f64>) -> Statement {
-    Statement(format!("*V* = {}", degrees(v)))
-        .p(p, adjusted)
-        .and_bounded("*r*_{rb}", rank_biserial)
+    Statement(format!("*V* = {}", degrees(v))).p(p, adjusted).and_bounded("*r*_{rb}", rank_biserial)
 }
 
 #[cfg(test)]
@@ -374,10 +353,7 @@ mod tests {
     fn paired_t_keeps_the_zero_of_an_unbounded_effect() {
         let ci = (-1.73, -0.67).into();
         let written = t(-5.9, 23.0, 2e-6, Adjustment::Holm, Some((-1.2, ci))).to_string();
-        assert_eq!(
-            written,
-            "t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]"
-        );
+        assert_eq!(written, "t(23) = −5.90, p_Holm < .001, dz = −1.20, 95% CI [−1.73, −0.67]");
     }
 
     #[test]

@@ -76,11 +76,7 @@ pub struct BootstrapSettings {
 
 impl Default for BootstrapSettings {
     fn default() -> Self {
-        Self {
-            resamples: 10_000,
-            seed: 0,
-            confidence: 0.95,
-        }
+        Self { resamples: 10_000, seed: 0, confidence: 0.95 }
     }
 }
 
@@ -163,9 +159,7 @@ pub fn bootstrap(
     let Some(estimate) = estimate.filter(|_| values.len() * 2 > settings.resamples) else {
         let reason = "the statistic has no value for these data, or for most of their resamples";
         result.estimate = None;
-        result
-            .undefined
-            .note_all(&["estimate", "se", "percentile", "bca"], reason);
+        result.undefined.note_all(&["estimate", "se", "percentile", "bca"], reason);
         return Ok(result);
     };
     let (_, squares) = crate::numerics::moments::mean_and_square_sum(values.iter().copied());
@@ -187,11 +181,7 @@ fn check(settings: &BootstrapSettings) -> Result<(), StatsError> {
     let resamples = settings.resamples;
     if !(100..=MOST_RESAMPLES).contains(&resamples) {
         let expected = format!("100 to {MOST_RESAMPLES}");
-        return Err(StatsError::parameter(
-            "resamples",
-            &expected,
-            resamples as f64,
-        ));
+        return Err(StatsError::parameter("resamples", &expected, resamples as f64));
     }
     StatsError::between_0_and_1("confidence", settings.confidence)
 }
@@ -207,10 +197,7 @@ pub(crate) fn stream(seed: u64, chunk: u64) -> Pcg64 {
     };
     let first = mix(mix(seed) ^ chunk);
     let second = mix(first);
-    Pcg64::new(
-        u128::from(first) << 64 | u128::from(second),
-        u128::from(mix(second)),
-    )
+    Pcg64::new(u128::from(first) << 64 | u128::from(second), u128::from(mix(second)))
 }
 
 /// The statistic of each resample that has one, in the order of the streams.
@@ -284,11 +271,7 @@ mod tests {
     fn the_same_seed_gives_the_same_interval_and_another_seed_does_not() {
         let x = [1.0, 4.0, 2.0, 8.0, 5.0, 7.0].map(Some);
         let run = |seed| {
-            let settings = BootstrapSettings {
-                seed,
-                resamples: 1000,
-                ..Default::default()
-            };
+            let settings = BootstrapSettings { seed, resamples: 1000, ..Default::default() };
             bootstrap(Statistic::Median, BootstrapData::Values(&x), &settings).unwrap()
         };
         assert_eq!(run(1), run(1));
@@ -298,11 +281,8 @@ mod tests {
     #[test]
     fn a_statistic_of_other_data_is_refused() {
         let x = [1.0, 2.0].map(Some);
-        let result = bootstrap(
-            Statistic::Pearson,
-            BootstrapData::Values(&x),
-            &BootstrapSettings::default(),
-        );
+        let result =
+            bootstrap(Statistic::Pearson, BootstrapData::Values(&x), &BootstrapSettings::default());
         assert!(matches!(result, Err(StatsError::WrongData { .. })));
     }
 }

@@ -138,11 +138,7 @@ pub struct DesignChoice {
 
 impl DesignChoice {
     fn exact(&self) -> Exact {
-        if self.exact {
-            Exact::Feasible
-        } else {
-            Exact::No
-        }
+        if self.exact { Exact::Feasible } else { Exact::No }
     }
 }
 

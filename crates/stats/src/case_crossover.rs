@@ -145,11 +145,7 @@ pub fn case_crossover(strata: &[CaseStratum]) -> CaseCrossover {
         let (middle, _) = estimate?;
         let past = |beta: f64| t_at(beta).map_or(f64::NAN, |t| t + sign * most.unwrap_or(f64::NAN));
         let far = middle + sign * SEPARATED;
-        let (low, high) = if sign > 0.0 {
-            (middle, far)
-        } else {
-            (far, middle)
-        };
+        let (low, high) = if sign > 0.0 { (middle, far) } else { (far, middle) };
         brent(past, low, high).map(libm::exp)
     };
     let (low, high) = (end(-1.0), end(1.0));
@@ -232,11 +228,7 @@ mod tests {
     use super::*;
 
     fn stratum(person: &str, events: &[f64], others: &[f64]) -> CaseStratum {
-        CaseStratum {
-            person: person.to_owned(),
-            events: events.to_vec(),
-            others: others.to_vec(),
-        }
+        CaseStratum { person: person.to_owned(), events: events.to_vec(), others: others.to_vec() }
     }
 
     fn close(found: Option<f64>, expected: f64) {
@@ -249,9 +241,8 @@ mod tests {
 
     #[test]
     fn of_pairs_it_is_mcnemars_odds_ratio_and_its_t_that_of_people_who_lean_one_way_or_the_other() {
-        let mut strata: Vec<CaseStratum> = (0..12)
-            .map(|i| stratum(&format!("a{i}"), &[1.0], &[0.0]))
-            .collect();
+        let mut strata: Vec<CaseStratum> =
+            (0..12).map(|i| stratum(&format!("a{i}"), &[1.0], &[0.0])).collect();
         strata.extend((0..5).map(|i| stratum(&format!("b{i}"), &[0.0], &[1.0])));
         // Who was exposed at both moments, or at none, tells nothing.
         strata.push(stratum("c", &[1.0], &[1.0]));
@@ -267,20 +258,15 @@ mod tests {
         let squares = n * (1.0 - mean * mean);
         close(found.t, mean / (squares / 16.0 / n).sqrt());
         assert_eq!(found.df, Some(16));
-        let ends = (
-            found.odds_ratio_ci.low.unwrap(),
-            found.odds_ratio_ci.high.unwrap(),
-        );
+        let ends = (found.odds_ratio_ci.low.unwrap(), found.odds_ratio_ci.high.unwrap());
         let odds = found.odds_ratio.unwrap();
         assert!(ends.0 < 1.0 && 1.0 < odds && odds < ends.1, "{found:?}");
     }
 
     #[test]
     fn several_events_of_a_stretch_are_judged_over_all_sets_of_as_many() {
-        let strata = [
-            stratum("a", &[2.0, 0.5], &[0.0, 1.0, 1.5]),
-            stratum("b", &[1.0], &[0.2, 0.1]),
-        ];
+        let strata =
+            [stratum("a", &[2.0, 0.5], &[0.0, 1.0, 1.5]), stratum("b", &[1.0], &[0.2, 0.1])];
         let found = case_crossover(&strata);
         // The same by listing the ten sets of two of five, and the three of one of three.
         let sd = found.sd.unwrap();
@@ -325,10 +311,7 @@ mod tests {
         let (a, b) = (case_crossover(&strata), case_crossover(&turned));
         close(b.estimate, -a.estimate.unwrap());
         close(b.p, a.p.unwrap());
-        close(
-            b.odds_ratio_ci.low.map(|low| 1.0 / low),
-            a.odds_ratio_ci.high.unwrap(),
-        );
+        close(b.odds_ratio_ci.low.map(|low| 1.0 / low), a.odds_ratio_ci.high.unwrap());
     }
 
     #[test]
@@ -337,11 +320,7 @@ mod tests {
             .map(|i| {
                 let i = f64::from(i);
                 let others = [(i * 1.3).sin(), (i * 2.1).cos(), (i * 0.4).sin()];
-                stratum(
-                    &(i as u32 % 8).to_string(),
-                    &[(i * 0.7).sin() + 0.6],
-                    &others,
-                )
+                stratum(&(i as u32 % 8).to_string(), &[(i * 0.7).sin() + 0.6], &others)
             })
             .collect();
         let found = case_crossover(&strata);
@@ -360,25 +339,16 @@ mod tests {
         let nothing = case_crossover(&[stratum("a", &[1.0], &[])]);
         assert_eq!((nothing.people, nothing.p), (0, None));
         assert!(nothing.undefined.get("p").unwrap().contains("no event"));
-        let always: Vec<CaseStratum> = (0..8)
-            .map(|i| stratum(&i.to_string(), &[1.0, 1.0][..=i % 2], &[0.0, 0.0]))
-            .collect();
+        let always: Vec<CaseStratum> =
+            (0..8).map(|i| stratum(&i.to_string(), &[1.0, 1.0][..=i % 2], &[0.0, 0.0])).collect();
         let always = case_crossover(&always);
         assert_eq!((always.people, always.estimate), (8, None));
-        assert!(
-            always
-                .undefined
-                .get("estimate")
-                .unwrap()
-                .contains("every event")
-        );
+        assert!(always.undefined.get("estimate").unwrap().contains("every event"));
         assert!(always.p.unwrap() < 0.001);
         assert_eq!(always.odds_ratio_ci.low, None);
         assert!(always.undefined.get("odds_ratio_ci_low").is_some());
-        let one = case_crossover(&[
-            stratum("a", &[1.0], &[0.0, 2.0]),
-            stratum("a", &[0.5], &[0.0, 2.0]),
-        ]);
+        let one =
+            case_crossover(&[stratum("a", &[1.0], &[0.0, 2.0]), stratum("a", &[0.5], &[0.0, 2.0])]);
         assert!(one.estimate.is_some() && one.p.is_none() && one.undefined.get("p").is_some());
     }
 }

@@ -34,12 +34,7 @@ const CHECK_ALPHA: f64 = 0.05;
 
 impl AssumptionCheck {
     fn new(name: impl Into<String>, statistic: Option<f64>, p: Option<f64>) -> Self {
-        Self {
-            name: name.into(),
-            statistic,
-            p,
-            passed: p.map(|p| p >= CHECK_ALPHA),
-        }
+        Self { name: name.into(), statistic, p, passed: p.map(|p| p >= CHECK_ALPHA) }
     }
 
     pub(crate) fn of_normality(what: &str, test: &ShapiroWilk) -> Self {
@@ -154,10 +149,7 @@ pub(crate) fn run(
     let (chosen, several) = if data.k() == 2 {
         let tests = [OmnibusTest::PairedT, OmnibusTest::Wilcoxon];
         let chosen = trace.choose("the differences", &of_differences(data), None, tests);
-        (
-            declared.map_or(chosen, |test| trace.declared(test, true)),
-            None,
-        )
+        (declared.map_or(chosen, |test| trace.declared(test, true)), None)
     } else {
         let mut inner = Reasons::default();
         let (anova, mauchly, sphericity) = analysis::variance_part(data, &parts, &mut inner);
@@ -182,10 +174,7 @@ pub(crate) fn run(
     };
     let mut posthoc = all_pairs(data, test, Adjustment::Holm, alpha);
     let omnibus = several.unwrap_or_else(|| of_pair(chosen, &posthoc));
-    let omnibus = Omnibus {
-        reject: omnibus.p.map(|p| p < alpha),
-        ..omnibus
-    };
+    let omnibus = Omnibus { reject: omnibus.p.map(|p| p < alpha), ..omnibus };
     let mut undefined = Reasons::default();
     say_why(&omnibus, &trace.checks, &mut undefined);
     undefined.absorb("posthoc", std::mem::take(&mut posthoc.undefined));
@@ -215,8 +204,7 @@ fn standardised(residuals: &[f64], k: usize) -> Vec<f64> {
     let scale: Vec<f64> = squares.iter().map(|s| (s / n).sqrt()).collect();
     let over = |(r, s): (&f64, &f64)| if *s > 0.0 { r / s } else { 0.0 };
     let rows = residuals.chunks_exact(k);
-    rows.flat_map(|row| row.iter().zip(&scale).map(over))
-        .collect()
+    rows.flat_map(|row| row.iter().zip(&scale).map(over)).collect()
 }
 
 /// The checks made so far, and what followed from each.
@@ -253,9 +241,7 @@ impl Trace {
             (_, false) => OmnibusTest::Friedman,
         };
         let words = test.words();
-        self.reasons = vec![format!(
-            "{words}, as declared, whatever the residuals look like"
-        )];
+        self.reasons = vec![format!("{words}, as declared, whatever the residuals look like")];
         test
     }
 

@@ -71,11 +71,8 @@ pub(crate) fn rows(
         StatsError::same_length(name, column.len(), total)?;
         all_usable(column, name)?;
     }
-    let mut complete = Complete {
-        columns: vec![Vec::new(); columns.len()],
-        kept: Vec::new(),
-        missing: 0,
-    };
+    let mut complete =
+        Complete { columns: vec![Vec::new(); columns.len()], kept: Vec::new(), missing: 0 };
     for row in 0..total {
         let cells: Option<Vec<f64>> = columns.iter().map(|(_, c)| c[row]).collect();
         match cells {
@@ -108,10 +105,5 @@ pub(crate) fn enough(
     if found >= expected {
         return Ok(());
     }
-    Err(StatsError::TooFew {
-        unit: unit.to_owned(),
-        found,
-        dropped,
-        expected,
-    })
+    Err(StatsError::TooFew { unit: unit.to_owned(), found, dropped, expected })
 }

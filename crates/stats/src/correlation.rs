@@ -156,11 +156,7 @@ fn choose(x: &[f64], y: &[f64]) -> (CorrelationMethod, Vec<String>) {
             None => format!("normality of {name} cannot be tested"),
         });
     }
-    let chosen = if normal {
-        CorrelationMethod::Pearson
-    } else {
-        CorrelationMethod::Spearman
-    };
+    let chosen = if normal { CorrelationMethod::Pearson } else { CorrelationMethod::Spearman };
     (chosen, reasons)
 }
 
@@ -245,13 +241,9 @@ mod tests {
         let who = ["a", "b", "a"].map(str::to_owned);
         let result = correlate(&x, &x, CorrelationMethod::Pearson, Some(&who)).unwrap();
         assert!(result.warnings[0].contains("rmcorr"));
-        let result = correlate(
-            &[Some(1.0), Some(2.0), None],
-            &x,
-            CorrelationMethod::Pearson,
-            Some(&who),
-        )
-        .unwrap();
+        let result =
+            correlate(&[Some(1.0), Some(2.0), None], &x, CorrelationMethod::Pearson, Some(&who))
+                .unwrap();
         assert!(result.warnings.is_empty() && result.missing == 1);
     }
 
@@ -263,10 +255,7 @@ mod tests {
             let kendall = found.kendall.unwrap();
             (kendall.tau_b, kendall.ci.ends().is_some())
         };
-        assert_eq!(
-            kendall([1.0, 2.0, 4.0, 8.0, 16.0, 32.0]),
-            (Some(1.0), false)
-        );
+        assert_eq!(kendall([1.0, 2.0, 4.0, 8.0, 16.0, 32.0]), (Some(1.0), false));
         let (tau, interval) = kendall([2.0, 1.0, 4.0, 8.0, 16.0, 32.0]);
         assert!(tau.unwrap() < 1.0 && interval);
     }

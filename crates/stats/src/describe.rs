@@ -98,10 +98,7 @@ mod tests {
     #[test]
     fn spread_and_quantiles_are_those_by_hand() {
         let values = [2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0];
-        close(
-            standard_deviation(&values).unwrap(),
-            (32.0_f64 / 7.0).sqrt(),
-        );
+        close(standard_deviation(&values).unwrap(), (32.0_f64 / 7.0).sqrt());
         close(mean(&values).unwrap(), 5.0);
         assert_eq!((mean(&[]), standard_deviation(&[3.0])), (None, None));
         let sorted = [1.0, 2.0, 4.0, 8.0];
@@ -113,12 +110,7 @@ mod tests {
 
     #[test]
     fn an_interval_of_a_mean_has_the_t_of_the_tables() {
-        for (n, t) in [
-            (2, 12.706_205),
-            (3, 4.302_653),
-            (11, 2.228_139),
-            (101, 1.983_972),
-        ] {
+        for (n, t) in [(2, 12.706_205), (3, 4.302_653), (11, 2.228_139), (101, 1.983_972)] {
             let values: Vec<f64> = (0..n).map(f64::from).collect();
             let [middle, low, high] = mean_interval(&values, 0.95).unwrap();
             let error = standard_deviation(&values).unwrap() / f64::from(n).sqrt();

@@ -118,11 +118,7 @@ impl Equivalence {
 
     /// What `p_holm` is adjusted by: nothing where there is one test.
     pub fn adjusted(&self) -> Adjustment {
-        if self.tost.len() > 1 {
-            Adjustment::Holm
-        } else {
-            Adjustment::None
-        }
+        if self.tost.len() > 1 { Adjustment::Holm } else { Adjustment::None }
     }
 }
 
@@ -233,8 +229,7 @@ pub(crate) fn less(values: &[Option<f64>], mu: f64) -> Result<(Vec<f64>, bool), 
 
 fn finite(name: &str, found: f64) -> Result<(), StatsError> {
     let fine = found.is_finite();
-    fine.then_some(())
-        .ok_or_else(|| StatsError::parameter(name, "a finite number", found))
+    fine.then_some(()).ok_or_else(|| StatsError::parameter(name, "a finite number", found))
 }
 
 fn check(bounds: Bounds) -> Result<(), StatsError> {
@@ -342,11 +337,7 @@ mod tests {
             let test = found.tost.get("a|b").unwrap();
             let sentence = found.to_string();
             let named = sentence.lines().next().unwrap().contains("p_Holm");
-            (
-                test.equivalent.unwrap(),
-                test.equivalent_holm.unwrap(),
-                named,
-            )
+            (test.equivalent.unwrap(), test.equivalent_holm.unwrap(), named)
         };
         assert_eq!(shown(2, 0.4), (true, true, false));
         assert_eq!(shown(3, 0.4), (true, false, true));
@@ -360,10 +351,7 @@ mod tests {
             &["p", "q", "r"],
             &[vec![1.1, 1.0], vec![2.1, 2.0], vec![3.1, 3.0]],
         );
-        let bounds = Bounds::Raw {
-            low: -1.0,
-            high: 1.0,
-        };
+        let bounds = Bounds::Raw { low: -1.0, high: 1.0 };
         let found = equivalence(&data.unwrap(), bounds).unwrap();
         let test = found.tost.get("a|b").unwrap();
         assert!(test.p.is_none() && test.low == Some(-1.0));
@@ -376,10 +364,7 @@ mod tests {
 
     #[test]
     fn bounds_in_the_wrong_order_are_refused() {
-        let bounds = Bounds::Raw {
-            low: 1.0,
-            high: 0.0,
-        };
+        let bounds = Bounds::Raw { low: 1.0, high: 0.0 };
         let error = equivalence_one(&[Some(1.0), Some(2.0)], 0.0, bounds).unwrap_err();
         assert!(error.to_string().contains("above the lower one, 1"));
     }

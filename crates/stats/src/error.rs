@@ -190,11 +190,7 @@ impl StatsError {
         if found == expected {
             return Ok(());
         }
-        Err(Self::LengthMismatch {
-            name: name.to_owned(),
-            found,
-            expected,
-        })
+        Err(Self::LengthMismatch { name: name.to_owned(), found, expected })
     }
 
     /// Refuses fewer than two conditions.
@@ -217,10 +213,7 @@ impl StatsError {
 
     /// A name that comes twice.
     pub(crate) fn double_name(what: &str, name: &str) -> Self {
-        Self::DoubleName {
-            what: what.to_owned(),
-            name: name.to_owned(),
-        }
+        Self::DoubleName { what: what.to_owned(), name: name.to_owned() }
     }
 
     /// Refuses a factor with fewer than two levels.
@@ -236,26 +229,17 @@ impl StatsError {
 
     /// A model without a best fit.
     pub(crate) fn no_fit(reason: impl Into<String>) -> Self {
-        Self::NoFit {
-            reason: reason.into(),
-        }
+        Self::NoFit { reason: reason.into() }
     }
 
     /// A part of a formula that cannot be read.
     pub(crate) fn formula(text: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self::Formula {
-            text: text.into(),
-            expected: expected.into(),
-        }
+        Self::Formula { text: text.into(), expected: expected.into() }
     }
 
     /// A parameter outside its range.
     pub(crate) fn parameter(name: &str, expected: &str, found: f64) -> Self {
-        Self::BadParameter {
-            name: name.to_owned(),
-            expected: expected.to_owned(),
-            found,
-        }
+        Self::BadParameter { name: name.to_owned(), expected: expected.to_owned(), found }
     }
 
     /// The next step, where one is known.

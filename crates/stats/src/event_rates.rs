@@ -87,11 +87,8 @@ pub fn event_rates(
     }
     let time = |j: usize| rows.iter().map(|row| row[j].time).sum::<f64>();
     let events = |j: usize| rows.iter().map(|row| row[j].events).sum::<usize>();
-    let mut pressed: Vec<Vec<Exposed>> = rows
-        .iter()
-        .filter(|row| row.iter().any(|cell| cell.events > 0))
-        .cloned()
-        .collect();
+    let mut pressed: Vec<Vec<Exposed>> =
+        rows.iter().filter(|row| row.iter().any(|cell| cell.events > 0)).cloned().collect();
     let mut undefined = Reasons::default();
     let chi2 = statistic(&pressed);
     if chi2.is_none() {
@@ -203,25 +200,18 @@ mod tests {
             as_large += u32::from(statistic(&all).unwrap() >= found.chi2.unwrap() - 1e-9);
         }
         let exact = f64::from(as_large) / 8.0;
-        assert!(
-            (found.p.unwrap() - exact).abs() < 0.02,
-            "{:?} {exact}",
-            found.p
-        );
+        assert!((found.p.unwrap() - exact).abs() < 0.02, "{:?} {exact}", found.p);
     }
 
     #[test]
     fn the_same_seed_gives_the_same_p_and_friedman_is_that_of_the_rates() {
-        let rows: Vec<Vec<Exposed>> = (0..9)
-            .map(|i| row(&[(i % 3, 10.0), (1 + i % 2, 10.0), ((i * 2) % 5, 10.0)]))
-            .collect();
+        let rows: Vec<Vec<Exposed>> =
+            (0..9).map(|i| row(&[(i % 3, 10.0), (1 + i % 2, 10.0), ((i * 2) % 5, 10.0)])).collect();
         assert_eq!(of(&rows, 3), of(&rows, 3));
         let found = of(&rows, 3);
         let people: Vec<String> = (0..9).map(|i| i.to_string()).collect();
-        let rates: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|r| r.iter().map(|c| c.events as f64).collect())
-            .collect();
+        let rates: Vec<Vec<f64>> =
+            rows.iter().map(|r| r.iter().map(|c| c.events as f64).collect()).collect();
         let names = ["a", "b", "c"].map(str::to_owned);
         let data = WithinSubjects::from_rows(&names, &people, &rates).unwrap();
         assert_eq!(found.friedman.unwrap().p, crate::friedman(&data).friedman.p);
@@ -230,15 +220,11 @@ mod tests {
     #[test]
     fn a_person_who_presses_in_bursts_does_not_make_it_small_and_a_difference_of_everybody_does() {
         // One of ten has forty presses in one condition: χ² alone would call it certain.
-        let mut rows: Vec<Vec<Exposed>> = (0..10)
-            .map(|i| row(&[(i % 2, 10.0), ((i + 1) % 2, 10.0)]))
-            .collect();
+        let mut rows: Vec<Vec<Exposed>> =
+            (0..10).map(|i| row(&[(i % 2, 10.0), ((i + 1) % 2, 10.0)])).collect();
         rows[0] = row(&[(40, 10.0), (0, 10.0)]);
         let burst = of(&rows, 1);
-        assert!(
-            burst.chi2.unwrap() > 30.0 && burst.p.unwrap() > 0.4,
-            "{burst:?}"
-        );
+        assert!(burst.chi2.unwrap() > 30.0 && burst.p.unwrap() > 0.4, "{burst:?}");
         let all: Vec<Vec<Exposed>> = (0..10).map(|_| row(&[(0, 10.0), (2, 10.0)])).collect();
         assert!(of(&all, 1).p.unwrap() < 0.01);
     }

@@ -40,12 +40,7 @@ pub fn forced_choice(
 ) -> Result<ForcedChoice, StatsError> {
     let share = proportion_exact(correct, n, confidence)?;
     let z = normal_quantile((correct as f64 + 0.5) / (n as f64 + 1.0));
-    Ok(ForcedChoice {
-        n,
-        correct,
-        share,
-        d_prime: std::f64::consts::SQRT_2 * z,
-    })
+    Ok(ForcedChoice { n, correct, share, d_prime: std::f64::consts::SQRT_2 * z })
 }
 
 #[cfg(test)]

@@ -82,13 +82,8 @@ impl RankTable {
 
     /// The table in which subject i occurs `counts[i]` times.
     pub(crate) fn resampled(&self, counts: &[u32]) -> Self {
-        let mut table = Self {
-            n: 0,
-            k: self.k,
-            doubled: Vec::new(),
-            sums: vec![0; self.k],
-            squares: 0,
-        };
+        let mut table =
+            Self { n: 0, k: self.k, doubled: Vec::new(), sums: vec![0; self.k], squares: 0 };
         for (row, &count) in self.doubled.chunks_exact(self.k).zip(counts) {
             let count = i64::from(count);
             table.n += count as usize;
@@ -156,9 +151,8 @@ pub(crate) fn test(table: &RankTable, exact: Exact) -> (Friedman, Reasons) {
         reasons.note_ends(&["kendall_w_ci90"], reason);
     }
     let d1_marozzi = d1 - 2.0 / n;
-    let marozzi = f
-        .filter(|_| d1_marozzi > 0.0)
-        .map(|f| f_upper(f, d1_marozzi, (n - 1.0) * d1_marozzi));
+    let marozzi =
+        f.filter(|_| d1_marozzi > 0.0).map(|f| f_upper(f, d1_marozzi, (n - 1.0) * d1_marozzi));
     if marozzi.is_none() {
         let reason = "with two subjects and two conditions it has no degrees of freedom";
         reasons.note("F_p_marozzi", reason);

@@ -120,9 +120,8 @@ pub fn groups(groups: &[String], values: &[Option<f64>]) -> Result<GroupsAnalysi
             anova: undefined.result("anova", anova::fisher(&samples)),
             welch_anova: undefined.result("welch_anova", anova::welch(&samples)),
             kruskal,
-            games_howell: samples.pairs("games_howell", &mut undefined, |a, b| {
-                games_howell::test(a, b, k)
-            }),
+            games_howell: samples
+                .pairs("games_howell", &mut undefined, |a, b| games_howell::test(a, b, k)),
             dunn,
         }
     });
@@ -134,12 +133,8 @@ pub fn groups(groups: &[String], values: &[Option<f64>]) -> Result<GroupsAnalysi
         }
         let (n, mean) = (s.values.len() as f64, samples.pivot + s.mean);
         let half = sd.and_then(|sd| Some(t_quantile_two_sided(0.05, n - 1.0)? * sd / n.sqrt()));
-        let summary = GroupSummary {
-            n: s.values.len(),
-            mean,
-            sd,
-            ci: Interval::around(mean, half),
-        };
+        let summary =
+            GroupSummary { n: s.values.len(), mean, sd, ci: Interval::around(mean, half) };
         (s.name.clone(), summary)
     });
     Ok(GroupsAnalysis {
@@ -166,18 +161,10 @@ fn adjust_ranks(tests: &mut Named<MannWhitney>, undefined: &mut Reasons) {
     for ((test, exact), normal) in tests.values_mut().zip(exact).zip(normal) {
         test.p_exact_holm = exact;
         test.p_normal_cc_holm = normal;
-        (test.p, test.p_holm) = if all_exact {
-            (test.p_exact, exact)
-        } else {
-            (test.p_normal_cc, normal)
-        };
-        test.p_method = test.p.map(|_| {
-            if all_exact {
-                PMethod::Exact
-            } else {
-                PMethod::NormalContinuity
-            }
-        });
+        (test.p, test.p_holm) =
+            if all_exact { (test.p_exact, exact) } else { (test.p_normal_cc, normal) };
+        test.p_method =
+            test.p.map(|_| if all_exact { PMethod::Exact } else { PMethod::NormalContinuity });
         missing.push(test.p.is_none());
     }
     for ((name, _), missing) in tests.iter().zip(missing) {
@@ -236,10 +223,7 @@ mod tests {
             (u.rank_biserial_ci.low, libm::tanh(libm::atanh(r) - half)),
             (u.rank_biserial_ci.high, libm::tanh(libm::atanh(r) + half)),
         ] {
-            assert!(
-                (end.unwrap() - expected).abs() < 1e-12,
-                "{end:?} {expected}"
-            );
+            assert!((end.unwrap() - expected).abs() < 1e-12, "{end:?} {expected}");
         }
     }
 
@@ -256,9 +240,6 @@ mod tests {
         let values = [1.0, 2.0, 3.0, 9.0, 5.0, 4.0].map(Some);
         let found = groups(&labels("a a b b c c"), &values).unwrap();
         let text = serde_json::to_string(&found).unwrap();
-        assert_eq!(
-            serde_json::from_str::<GroupsAnalysis>(&text).unwrap(),
-            found
-        );
+        assert_eq!(serde_json::from_str::<GroupsAnalysis>(&text).unwrap(), found);
     }
 }

@@ -116,9 +116,7 @@ pub fn hierarchical(
                 - ln_prior
                 + factor.ln_determinant());
         let mean: Vec<f64> = (0..p).map(|i| mean[(i, 0)]).collect();
-        ln_evidence
-            .is_finite()
-            .then(|| (mean, factor.inverse(), ln_evidence))
+        ln_evidence.is_finite().then(|| (mean, factor.inverse(), ln_evidence))
     };
     // A weak prior on the logarithms keeps variances away from nothing and from everything.
     let value = |theta: &[f64]| {
@@ -179,11 +177,8 @@ fn check(people: &[PersonRows], groups: &[Option<usize>]) -> Result<f64, StatsEr
                 StatsError::same_length(name, column.len(), width)?;
             }
         }
-        let values = person
-            .y
-            .iter()
-            .chain(person.x.iter().flatten())
-            .chain(person.z.iter().flatten());
+        let values =
+            person.y.iter().chain(person.x.iter().flatten()).chain(person.z.iter().flatten());
         for value in values {
             complete::usable(*value, "a person's rows", row)?;
         }
@@ -237,8 +232,7 @@ mod tests {
                 for s in [-1.0, 0.0, 0.0, 1.0] {
                     let mut x = vec![1.0, s];
                     x.extend(traits.iter().map(|t| t * s));
-                    rows.y
-                        .push(habit + (effect * traits[0] + slope) * s + 0.4 * normal(&mut rng));
+                    rows.y.push(habit + (effect * traits[0] + slope) * s + 0.4 * normal(&mut rng));
                     rows.x.push(x);
                     rows.z.push(vec![1.0, s]);
                 }
@@ -271,14 +265,9 @@ mod tests {
     fn a_change_of_unit_changes_nothing_but_the_unit() {
         let small = people(6, 0.8);
         let mut large = small.clone();
-        large
-            .iter_mut()
-            .flat_map(|p| &mut p.y)
-            .for_each(|y| *y *= 1000.0);
-        let (a, b) = (
-            hierarchical(&small, &groups()).unwrap(),
-            hierarchical(&large, &groups()).unwrap(),
-        );
+        large.iter_mut().flat_map(|p| &mut p.y).for_each(|y| *y *= 1000.0);
+        let (a, b) =
+            (hierarchical(&small, &groups()).unwrap(), hierarchical(&large, &groups()).unwrap());
         assert!((b.coefficients.mean()[2] / a.coefficients.mean()[2] - 1000.0).abs() < 1e-3);
         assert!((b.residual_sd / a.residual_sd - 1000.0).abs() < 1e-3);
     }
@@ -307,10 +296,7 @@ mod tests {
     fn few_people_shrink_an_effect_and_many_do_not() {
         let found = |n: usize| {
             let fit = |seed: u64| hierarchical(&so_many(n, 100 + seed, 0.8), &groups()).unwrap();
-            (0..8)
-                .map(|seed| fit(seed).coefficients.mean()[2])
-                .sum::<f64>()
-                / 8.0
+            (0..8).map(|seed| fit(seed).coefficients.mean()[2]).sum::<f64>() / 8.0
         };
         let (few, many) = (found(12), found(60));
         assert!(few < 0.65 && few > 0.25, "{few}");

@@ -26,28 +26,18 @@ impl Interval {
     #[must_use]
     pub fn holding(self, estimate: Option<f64>) -> Self {
         let holds = |(low, high): (f64, f64)| estimate.is_some_and(|e| (low..=high).contains(&e));
-        if self.ends().is_some_and(holds) {
-            self
-        } else {
-            Self::default()
-        }
+        if self.ends().is_some_and(holds) { self } else { Self::default() }
     }
 
     /// That of the estimate with its sign turned.
     #[must_use]
     pub fn negated(self) -> Self {
-        Self {
-            low: self.high.map(|end| -end),
-            high: self.low.map(|end| -end),
-        }
+        Self { low: self.high.map(|end| -end), high: self.low.map(|end| -end) }
     }
 
     /// Each end by a function that grows.
     pub(crate) fn map(self, rising: impl Fn(f64) -> f64) -> Self {
-        Self {
-            low: self.low.map(&rising),
-            high: self.high.map(&rising),
-        }
+        Self { low: self.low.map(&rising), high: self.high.map(&rising) }
     }
 }
 
@@ -141,28 +131,19 @@ mod tests {
         let difference = Difference {
             dz: 0.5,
             dz_ci: Interval::around(0.5, Some(0.25)),
-            ci: Interval {
-                low: Some(-1.0),
-                high: None,
-            },
+            ci: Interval { low: Some(-1.0), high: None },
         };
         let text = serde_json::to_string(&difference).unwrap();
         assert_eq!(
             text,
             r#"{"dz":0.5,"dz_ci_low":0.25,"dz_ci_high":0.75,"ci_low":-1.0,"ci_high":null}"#
         );
-        assert_eq!(
-            serde_json::from_str::<Difference>(&text).unwrap(),
-            difference
-        );
+        assert_eq!(serde_json::from_str::<Difference>(&text).unwrap(), difference);
     }
 
     #[test]
     fn a_turned_sign_turns_the_ends_and_one_end_alone_is_no_interval() {
-        let open = Interval {
-            low: Some(-1.0),
-            high: None,
-        };
+        let open = Interval { low: Some(-1.0), high: None };
         assert_eq!(open.ends(), None);
         assert_eq!(open.negated().high, Some(1.0));
         assert_eq!(open.negated().low, None);

@@ -50,11 +50,7 @@ pub fn runs(markup: &str) -> Vec<Run> {
     let mut rest = markup;
     let mut push = |text: &str, italic: bool, level: Level| match out.last_mut() {
         Some(last) if last.italic == italic && last.level == level => last.text.push_str(text),
-        _ => out.push(Run {
-            text: text.to_owned(),
-            italic,
-            level,
-        }),
+        _ => out.push(Run { text: text.to_owned(), italic, level }),
     };
     while let Some(sign) = rest.chars().next() {
         let after = &rest[sign.len_utf8()..];
@@ -69,14 +65,8 @@ pub fn runs(markup: &str) -> Vec<Run> {
                 rest = after;
             }
             '_' | '^' => {
-                let level = if sign == '_' {
-                    Level::Lowered
-                } else {
-                    Level::Raised
-                };
-                let inside = after
-                    .strip_prefix('{')
-                    .and_then(|inside| inside.split_once('}'));
+                let level = if sign == '_' { Level::Lowered } else { Level::Raised };
+                let inside = after.strip_prefix('{').and_then(|inside| inside.split_once('}'));
                 if let Some((inside, beyond)) = inside {
                     push(inside, italic, level);
                     rest = beyond;

@@ -103,9 +103,7 @@ pub fn mcnemar(data: &WithinSubjects) -> Result<McNemar, StatsError> {
 /// Refuses values other than 0 and 1.
 pub(crate) fn check_yes_no(data: &WithinSubjects) -> Result<(), StatsError> {
     let other = data.values().iter().find(|v| ![0.0, 1.0].contains(*v));
-    other.map_or(Ok(()), |value| {
-        Err(StatsError::parameter("value", "0 or 1", *value))
-    })
+    other.map_or(Ok(()), |value| Err(StatsError::parameter("value", "0 or 1", *value)))
 }
 
 /// Share of yes by condition.
@@ -133,11 +131,7 @@ pub(crate) fn test(a: &[f64], b: &[f64]) -> (McNemarTest, Reasons) {
         let seen = tail - at_most(less - 1.0, differing);
         p_exact = Some((2.0 * tail).min(1.0));
         // As many either way is one outcome, any other has its mirror.
-        p_mid = Some(if only_a == only_b {
-            1.0 - seen / 2.0
-        } else {
-            2.0 * tail - seen
-        });
+        p_mid = Some(if only_a == only_b { 1.0 - seen / 2.0 } else { 2.0 * tail - seen });
         chi2 = Some((x - y).powi(2) / differing);
     } else {
         let names = ["p_exact", "p_mid", "chi2", "p", "odds_ratio"];
@@ -190,19 +184,15 @@ mod tests {
     fn table(counts: [usize; 4]) -> WithinSubjects {
         let cells = [[1.0, 1.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
         let rows = counts.iter().zip(cells);
-        let rows: Vec<Vec<f64>> = rows
-            .flat_map(|(count, cell)| std::iter::repeat_n(cell.to_vec(), *count))
-            .collect();
+        let rows: Vec<Vec<f64>> =
+            rows.flat_map(|(count, cell)| std::iter::repeat_n(cell.to_vec(), *count)).collect();
         let people: Vec<String> = (0..rows.len()).map(|i| i.to_string()).collect();
         WithinSubjects::from_rows(&["a".to_owned(), "b".to_owned()], &people, &rows).unwrap()
     }
 
     fn near(found: Option<f64>, expected: f64) {
         let found = found.unwrap();
-        assert!(
-            (found - expected).abs() < 1e-9,
-            "{found}, expected {expected}"
-        );
+        assert!((found - expected).abs() < 1e-9, "{found}, expected {expected}");
     }
 
     #[test]
@@ -219,14 +209,8 @@ mod tests {
         assert!((test.odds_ratio_ci.high.unwrap() - 0.997_191 / 0.002_809).abs() < 0.5);
         // (9 − 2) / 22 ± 1.96 √((11/22 − (7/22)²) / 22).
         assert!((test.difference - 7.0 / 20.0).abs() < 1e-12);
-        assert!(
-            (test.difference_ci.low.unwrap() - 0.054_308).abs() < 1e-5,
-            "{test:?}"
-        );
-        assert!(
-            (test.difference_ci.high.unwrap() - 0.582_056).abs() < 1e-5,
-            "{test:?}"
-        );
+        assert!((test.difference_ci.low.unwrap() - 0.054_308).abs() < 1e-5, "{test:?}");
+        assert!((test.difference_ci.high.unwrap() - 0.582_056).abs() < 1e-5, "{test:?}");
         assert_eq!(found.yes.get("a"), Some(&0.6));
         let turned = mcnemar(&table([4, 1, 8, 7])).unwrap().mcnemar;
         assert_eq!((turned.p_exact, turned.p_mid), (test.p_exact, test.p_mid));
@@ -244,10 +228,7 @@ mod tests {
             statements[0].1.to_string()
         };
         let few = said([4, 8, 1, 7]);
-        assert!(
-            few.starts_with("8 against 1, mid-p = .021, exact p = .039, difference"),
-            "{few}"
-        );
+        assert!(few.starts_with("8 against 1, mid-p = .021, exact p = .039, difference"), "{few}");
         assert!(said([0, 20, 4, 0]).contains("exact"));
         let many = said([0, 20, 5, 0]);
         assert!(many.contains("mid-p") && !many.contains("exact"), "{many}");

@@ -145,16 +145,10 @@ pub fn mixed_model(
     let values = &complete.columns[0];
     let offset = values.iter().sum::<f64>() / n as f64;
     let x = |row: usize, j: usize| {
-        if j == 0 {
-            1.0
-        } else {
-            complete.columns[j][row]
-        }
+        if j == 0 { 1.0 } else { complete.columns[j][row] }
     };
     let random_column = |row: usize, j: usize| x(row, if j == 0 { 0 } else { places[j - 1] });
-    let blocks = Blocks::of_rows(&groups, (p, q), x, random_column, |row| {
-        values[row] - offset
-    });
+    let blocks = Blocks::of_rows(&groups, (p, q), x, random_column, |row| values[row] - offset);
     let fit = fit(&blocks, method).filter(|fit| !fit.leaves_rounding(values));
     let fit = fit.ok_or_else(|| {
         StatsError::parameter(
@@ -239,13 +233,7 @@ fn profile(blocks: &Blocks, l: Matrix, method: MixedMethod) -> Option<Fit> {
     let deviance = sums.ln_determinant
         + restricted
         + freedom * (1.0 + libm::log(std::f64::consts::TAU * variance));
-    Some(Fit {
-        l,
-        beta,
-        xx_inverse: factor.inverse(),
-        variance,
-        deviance,
-    })
+    Some(Fit { l, beta, xx_inverse: factor.inverse(), variance, deviance })
 }
 
 fn fit(blocks: &Blocks, method: MixedMethod) -> Option<Fit> {
@@ -287,9 +275,7 @@ fn describe(
     let psi = fit.psi();
     let estimates = Estimates::unrestricted(blocks, fit, offset);
     let mut effect = |j: usize, name: &str| {
-        let unit: Vec<f64> = (0..names.len())
-            .map(|i| f64::from(u8::from(i == j)))
-            .collect();
+        let unit: Vec<f64> = (0..names.len()).map(|i| f64::from(u8::from(i == j))).collect();
         let effect = estimates.effect(&unit);
         if effect.ci.low.is_none() {
             undefined.note(
@@ -299,11 +285,8 @@ fn describe(
         }
         effect
     };
-    let fixed: Named<FixedEffect> = names
-        .iter()
-        .enumerate()
-        .map(|(j, name)| ((*name).to_owned(), effect(j, name)))
-        .collect();
+    let fixed: Named<FixedEffect> =
+        names.iter().enumerate().map(|(j, name)| ((*name).to_owned(), effect(j, name))).collect();
     let mut correlations = Vec::new();
     for i in 0..random.len() {
         for j in 0..i {
@@ -338,14 +321,10 @@ mod tests {
     /// Four people, three days; ann is missing a day.
     fn made_up() -> (Vec<String>, Vec<Option<f64>>, Vec<Option<f64>>) {
         let people = ["ann", "ben", "cem", "dee"];
-        let subjects = people
-            .iter()
-            .flat_map(|p| vec![(*p).to_owned(); 3])
-            .collect();
+        let subjects = people.iter().flat_map(|p| vec![(*p).to_owned(); 3]).collect();
         let day = [0.0, 1.0, 2.0].repeat(4).into_iter().map(Some).collect();
-        let mut y: Vec<Option<f64>> = [3.1, 4.0, 5.3, 2.0, 3.5, 4.2, 5.1, 5.9, 7.2, 4.0, 4.9, 6.1]
-            .map(Some)
-            .to_vec();
+        let mut y: Vec<Option<f64>> =
+            [3.1, 4.0, 5.3, 2.0, 3.5, 4.2, 5.1, 5.9, 7.2, 4.0, 4.9, 6.1].map(Some).to_vec();
         y[1] = None;
         (subjects, day, y)
     }
@@ -375,9 +354,7 @@ mod tests {
     fn what_cannot_be_fitted_is_refused() {
         let (subjects, day, y) = made_up();
         let said = |fixed: &[(&str, &[Option<f64>])], random: &[&str], y: &[Option<f64>]| {
-            mixed_model(&subjects, y, fixed, random, MixedMethod::Reml)
-                .unwrap_err()
-                .to_string()
+            mixed_model(&subjects, y, fixed, random, MixedMethod::Reml).unwrap_err().to_string()
         };
         let twice: [(&str, &[Option<f64>]); 2] = [("day", &day), ("again", &day)];
         assert!(said(&twice, &[], &y).contains("not sums of each other"));
@@ -393,9 +370,8 @@ mod tests {
         let subjects: Vec<String> = (0..24).map(|i| (i / 4).to_string()).collect();
         let day: Vec<_> = (0..24).map(|i| Some(f64::from(i % 4))).collect();
         // Every person's mean is the same: less spread between people than chance gives.
-        let y: Vec<_> = (0..24)
-            .map(|i| Some([0.3, -0.3, -0.2, 0.2][(i % 4 + i / 4) % 4]))
-            .collect();
+        let y: Vec<_> =
+            (0..24).map(|i| Some([0.3, -0.3, -0.2, 0.2][(i % 4 + i / 4) % 4])).collect();
         let fit =
             mixed_model(&subjects, &y, &[("day", &day)], &["day"], MixedMethod::Reml).unwrap();
         assert!(fit.singular);

@@ -183,17 +183,11 @@ pub(crate) fn shapiro_wilk_with(
     let mean = sorted.iter().sum::<f64>() / n as f64;
     let squares: f64 = sorted.iter().map(|x| (x - mean) * (x - mean)).sum();
     let weights: f64 = 2.0 * half.iter().map(|a| a * a).sum::<f64>();
-    let product: f64 = half
-        .iter()
-        .enumerate()
-        .map(|(i, a)| a * (sorted[n - 1 - i] - sorted[i]))
-        .sum();
+    let product: f64 =
+        half.iter().enumerate().map(|(i, a)| a * (sorted[n - 1 - i] - sorted[i])).sum();
     let root = (weights * squares).sqrt();
     let rest = ((root - product) * (root + product) / (weights * squares)).clamp(0.0, 1.0);
-    let result = ShapiroWilk {
-        w: Some(1.0 - rest),
-        p: Some(p_of(n, rest)),
-    };
+    let result = ShapiroWilk { w: Some(1.0 - rest), p: Some(p_of(n, rest)) };
     (result, reasons)
 }
 
@@ -205,16 +199,13 @@ fn polynomial(coefficients: &[f64], x: f64) -> f64 {
 /// The positive weights, from the outermost pair of values inwards.
 fn royston_weights(n: usize) -> Vec<f64> {
     const C1: [f64; 6] = [0.0, 0.221_157, -0.147_981, -2.071_19, 4.434_685, -2.706_056];
-    const C2: [f64; 6] = [
-        0.0, 0.042_981, -0.293_762, -1.752_461, 5.682_633, -3.582_633,
-    ];
+    const C2: [f64; 6] = [0.0, 0.042_981, -0.293_762, -1.752_461, 5.682_633, -3.582_633];
     if n == 3 {
         return vec![std::f64::consts::FRAC_1_SQRT_2];
     }
     let size = n as f64;
-    let mut m: Vec<f64> = (1..=n / 2)
-        .map(|i| -normal_quantile((i as f64 - 0.375) / (size + 0.25)))
-        .collect();
+    let mut m: Vec<f64> =
+        (1..=n / 2).map(|i| -normal_quantile((i as f64 - 0.375) / (size + 0.25))).collect();
     let square = 2.0 * m.iter().map(|m| m * m).sum::<f64>();
     let (root, rsn) = (square.sqrt(), 1.0 / size.sqrt());
     let first = polynomial(&C1, rsn) + m[0] / root;
@@ -254,11 +245,7 @@ fn p_of(n: usize, rest: f64) -> f64 {
         if y >= gamma {
             return 1e-99;
         }
-        (
-            -libm::log(gamma - y),
-            polynomial(&C3, size),
-            libm::exp(polynomial(&C4, size)),
-        )
+        (-libm::log(gamma - y), polynomial(&C3, size), libm::exp(polynomial(&C4, size)))
     } else {
         let ln = libm::log(size);
         (y, polynomial(&C5, ln), libm::exp(polynomial(&C6, ln)))

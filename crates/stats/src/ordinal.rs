@@ -146,9 +146,7 @@ pub(crate) fn by_period(
         let mut reasons = Reasons::default();
         let described = describe(&data, &reduced, full.as_ref(), flat.as_ref(), &mut reasons);
         undefined.absorb(prefix, reasons);
-        let pairs = full
-            .as_ref()
-            .map_or_else(Vec::new, |full| differences(&reduced, full));
+        let pairs = full.as_ref().map_or_else(Vec::new, |full| differences(&reduced, full));
         (described, full.map(|(top, _)| top).zip(flat), pairs)
     };
     let (laplace, from, _) = fit(&Rule::laplace(), None, "laplace");
@@ -184,10 +182,7 @@ pub(crate) fn ratios_of_pairs(
         let one = highest(&data.with_one_of(first, second).without_separated())?;
         Some((name, (2.0 * (apart - one)).max(0.0)))
     };
-    Ok(pairs(&data.conditions)
-        .into_iter()
-        .filter_map(ratio)
-        .collect())
+    Ok(pairs(&data.conditions).into_iter().filter_map(ratio).collect())
 }
 
 /// ln of the likelihood at its top, by quadrature; `None` if that does not settle.
@@ -205,9 +200,9 @@ fn differences(reduced: &Answers, (top, errors): &(Top, Errors)) -> Vec<(String,
     let coefficient = |condition: usize| condition.checked_sub(1).map(|place| first + place);
     let value = |parameter: Option<usize>| match parameter {
         None => Some(0.0),
-        Some(parameter) => top
-            .finite(parameter, errors.of_parameter(parameter))
-            .map(|(estimate, _)| estimate),
+        Some(parameter) => {
+            top.finite(parameter, errors.of_parameter(parameter)).map(|(estimate, _)| estimate)
+        }
     };
     pairs(&reduced.conditions)
         .into_iter()
@@ -267,10 +262,7 @@ fn describe(
     let mut threshold = Vec::new();
     for pair in data.categories.windows(2) {
         let name = format!("{}|{}", pair[0], pair[1]);
-        let known = reduced
-            .categories
-            .windows(2)
-            .position(|known| known == pair);
+        let known = reduced.categories.windows(2).position(|known| known == pair);
         let place = if reference {
             known.ok_or("an answer beside it occurs only in conditions with one extreme answer")
         } else {
@@ -298,9 +290,8 @@ fn describe(
     if whole && with.is_some() {
         undefined.note("variance.subject", SEPARATED);
     }
-    let chi2 = with
-        .zip(without)
-        .map(|(with, without)| (2.0 * (with.value - without.value)).max(0.0));
+    let chi2 =
+        with.zip(without).map(|(with, without)| (2.0 * (with.value - without.value)).max(0.0));
     if chi2.is_none() {
         undefined.note_all(&["lr.chi2", "lr.p"], NOT_CONVERGED);
     }
@@ -312,11 +303,7 @@ fn describe(
             subject: with.filter(|_| !whole).map(|top| top.sd() * top.sd()),
         },
         log_likelihood: with.map(|top| top.value),
-        lr: LikelihoodRatio {
-            chi2,
-            df,
-            p: chi2.map(|chi2| chi2_upper(chi2, df as f64)),
-        },
+        lr: LikelihoodRatio { chi2, df, p: chi2.map(|chi2| chi2_upper(chi2, df as f64)) },
     }
 }
 
@@ -331,11 +318,7 @@ mod tests {
         let people = (0..24).map(|i| (i / 3).to_string()).collect();
         let conditions = (0..24).map(|i| ["a", "b", "c"][i % 3].to_owned()).collect();
         let answers = (0..8).flat_map(|i| [first[i], second[i], third[i]]);
-        (
-            people,
-            conditions,
-            answers.map(|a| Some(f64::from(a))).collect(),
-        )
+        (people, conditions, answers.map(|a| Some(f64::from(a))).collect())
     }
 
     #[test]
@@ -408,11 +391,7 @@ mod tests {
         let (people, conditions, _) = made([1; 8]);
         let (model, finite) = by_period(&people, &conditions, &[], &scattered).unwrap();
         let columns = (&people[..], &conditions[..], none, &scattered[..]);
-        assert!(
-            ratios_of_pairs(columns, &model, &finite)
-                .unwrap()
-                .is_empty()
-        );
+        assert!(ratios_of_pairs(columns, &model, &finite).unwrap().is_empty());
     }
 
     #[test]
@@ -420,9 +399,7 @@ mod tests {
         // Everybody's answers are a permutation of the same three.
         let people: Vec<String> = (0..18).map(|i| (i / 3).to_string()).collect();
         let conditions: Vec<String> = (0..18).map(|i| ["a", "b", "c"][i % 3].to_owned()).collect();
-        let answers: Vec<_> = (0..18)
-            .map(|i| Some([1.0, 2.0, 3.0][(i + i / 3) % 3]))
-            .collect();
+        let answers: Vec<_> = (0..18).map(|i| Some([1.0, 2.0, 3.0][(i + i / 3) % 3])).collect();
         let found = ordinal(&people, &conditions, &answers).unwrap();
         assert!(found.quadrature.variance.subject.unwrap() < 1e-8);
         assert!(found.quadrature.coef.get("b").unwrap().p.unwrap() > 0.5);

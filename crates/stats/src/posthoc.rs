@@ -291,12 +291,8 @@ fn single_tests(
 }
 
 fn dz(tests: &Named<PairedT>) -> Vec<Effect> {
-    let effect = |t: &PairedT| Effect {
-        name: EffectName::Dz,
-        value: t.dz,
-        ci: t.dz_ci,
-        confidence: 0.95,
-    };
+    let effect =
+        |t: &PairedT| Effect { name: EffectName::Dz, value: t.dz, ci: t.dz_ci, confidence: 0.95 };
     tests.values().map(effect).collect()
 }
 

@@ -137,28 +137,18 @@ fn check(question: &PowerQuestion) -> Result<(), StatsError> {
         // What was rounded where it was printed is let through.
         let fine = epsilon > least - 1e-9 && epsilon < 1.0 + 1e-9;
         let expected = format!("from {least:.3} to 1");
-        fine.then_some(())
-            .ok_or_else(|| StatsError::parameter("epsilon", &expected, epsilon))
+        fine.then_some(()).ok_or_else(|| StatsError::parameter("epsilon", &expected, epsilon))
     };
     match question.test {
         PlannedTest::PairedT { effect } => inside("effect", effect, -1e6, 1e6),
         PlannedTest::Pearson { effect } => inside("effect", effect, -1.0, 1.0),
-        PlannedTest::RmAnova {
-            effect,
-            k,
-            corr,
-            epsilon,
-        } => {
+        PlannedTest::RmAnova { effect, k, corr, epsilon } => {
             of_conditions(k, epsilon)?;
             inside("effect", effect, -f64::MIN_POSITIVE, 1.0)?;
             // Less is no correlation that all pairs of so many conditions can have.
             inside("corr", corr, -1.0 / (k as f64 - 1.0), 1.0)
         }
-        PlannedTest::RmAnovaPartial {
-            eta2_partial,
-            k,
-            epsilon,
-        } => {
+        PlannedTest::RmAnovaPartial { eta2_partial, k, epsilon } => {
             of_conditions(k, epsilon)?;
             inside("eta2_partial", eta2_partial, -f64::MIN_POSITIVE, 1.0)
         }
@@ -201,24 +191,13 @@ fn power_at(question: &PowerQuestion, n: usize) -> Option<f64> {
             let scale = (size - 3.0).sqrt();
             Some(normal_upper((limit - z) * scale) + normal_upper((limit + z) * scale))
         }
-        PlannedTest::RmAnova {
-            effect,
-            k,
-            corr,
-            epsilon,
-        } => {
+        PlannedTest::RmAnova { effect, k, corr, epsilon } => {
             let people = size * k as f64 * epsilon / (1.0 - corr);
-            f_power((size, k, epsilon), alpha, |_| {
-                effect / (1.0 - effect) * people
-            })
+            f_power((size, k, epsilon), alpha, |_| effect / (1.0 - effect) * people)
         }
-        PlannedTest::RmAnovaPartial {
-            eta2_partial,
-            k,
-            epsilon,
-        } => f_power((size, k, epsilon), alpha, |d2| {
-            eta2_partial / (1.0 - eta2_partial) * d2
-        }),
+        PlannedTest::RmAnovaPartial { eta2_partial, k, epsilon } => {
+            f_power((size, k, epsilon), alpha, |d2| eta2_partial / (1.0 - eta2_partial) * d2)
+        }
     }
 }
 
@@ -254,11 +233,7 @@ mod tests {
     use super::*;
 
     fn of(test: PlannedTest, n: usize) -> PowerAnswer {
-        let question = PowerQuestion {
-            test,
-            n,
-            alpha: 0.05,
-        };
+        let question = PowerQuestion { test, n, alpha: 0.05 };
         power(&[question]).unwrap().row.remove(0)
     }
 
@@ -266,20 +241,11 @@ mod tests {
     fn a_printed_partial_eta_squared_is_not_that_of_the_means_between_people() {
         let (k, epsilon, corr) = (4, 1.0, 0.5);
         let partial = |eta2_partial: f64, n: usize, epsilon: f64| {
-            let test = PlannedTest::RmAnovaPartial {
-                eta2_partial,
-                k,
-                epsilon,
-            };
+            let test = PlannedTest::RmAnovaPartial { eta2_partial, k, epsilon };
             of(test, n)
         };
         let between = |effect: f64| {
-            let test = PlannedTest::RmAnova {
-                effect,
-                k,
-                corr,
-                epsilon,
-            };
+            let test = PlannedTest::RmAnova { effect, k, corr, epsilon };
             of(test, 24)
         };
         // scipy.stats: ncf.sf(f.isf(.05, d1, d2), d1, d2, eta2 / (1 - eta2) * d2), d1 = 3 eps, d2 = d1 (n - 1).
@@ -300,17 +266,8 @@ mod tests {
     #[test]
     fn a_correlation_that_so_many_conditions_cannot_share_is_refused() {
         let of_corr = |corr: f64| {
-            let test = PlannedTest::RmAnova {
-                effect: 0.1,
-                k: 4,
-                corr,
-                epsilon: 1.0,
-            };
-            let question = PowerQuestion {
-                test,
-                n: 24,
-                alpha: 0.05,
-            };
+            let test = PlannedTest::RmAnova { effect: 0.1, k: 4, corr, epsilon: 1.0 };
+            let question = PowerQuestion { test, n: 24, alpha: 0.05 };
             power(&[question])
         };
         assert!(of_corr(-0.3).is_ok());
@@ -321,16 +278,8 @@ mod tests {
     #[test]
     fn a_partial_eta_squared_outside_its_range_is_refused_by_name() {
         let refused = |eta2_partial: f64, epsilon: f64| {
-            let test = PlannedTest::RmAnovaPartial {
-                eta2_partial,
-                k: 4,
-                epsilon,
-            };
-            let question = PowerQuestion {
-                test,
-                n: 24,
-                alpha: 0.05,
-            };
+            let test = PlannedTest::RmAnovaPartial { eta2_partial, k: 4, epsilon };
+            let question = PowerQuestion { test, n: 24, alpha: 0.05 };
             power(&[question]).unwrap_err().to_string()
         };
         assert!(refused(1.0, 1.0).starts_with("`eta2_partial`"));

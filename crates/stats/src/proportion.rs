@@ -25,11 +25,7 @@ impl Proportion {
     #[must_use]
     pub fn percent(&self) -> Self {
         let [estimate, low, high] = [self.estimate, self.low, self.high].map(|v| 100.0 * v);
-        Self {
-            estimate,
-            low,
-            high,
-        }
+        Self { estimate, low, high }
     }
 }
 
@@ -85,11 +81,7 @@ pub fn proportion_exact(
     check(successes, n, confidence)?;
     let none = || StatsError::parameter("confidence", "one that F has a quantile for", confidence);
     let (low, high) = clopper_pearson(successes as f64, n as f64, confidence).ok_or_else(none)?;
-    Ok(Proportion {
-        estimate: successes as f64 / n as f64,
-        low,
-        high,
-    })
+    Ok(Proportion { estimate: successes as f64 / n as f64, low, high })
 }
 
 fn check(successes: usize, n: usize, confidence: f64) -> Result<(), StatsError> {
@@ -97,11 +89,7 @@ fn check(successes: usize, n: usize, confidence: f64) -> Result<(), StatsError> 
         return Err(StatsError::parameter("n", "at least 1", 0.0));
     }
     if successes > n {
-        return Err(StatsError::parameter(
-            "successes",
-            "at most n",
-            successes as f64,
-        ));
+        return Err(StatsError::parameter("successes", "at most n", successes as f64));
     }
     StatsError::between_0_and_1("confidence", confidence)
 }
@@ -113,11 +101,7 @@ pub(crate) fn clopper_pearson(x: f64, n: f64, confidence: f64) -> Option<(f64, f
     }
     let tail = (1.0 - confidence) / 2.0;
     let quantile = |a: f64, b: f64| f_quantile_upper(tail, 2.0 * a, 2.0 * b);
-    let low = if x <= 0.0 {
-        0.0
-    } else {
-        x / (x + (n - x + 1.0) * quantile(n - x + 1.0, x)?)
-    };
+    let low = if x <= 0.0 { 0.0 } else { x / (x + (n - x + 1.0) * quantile(n - x + 1.0, x)?) };
     let high = if x >= n {
         1.0
     } else {

@@ -28,11 +28,7 @@ pub(crate) fn greatest_common_divisor<N>(a: N, b: N) -> N
 where
     N: Copy + Default + PartialEq + std::ops::Rem<Output = N>,
 {
-    if b == N::default() {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
-    }
+    if b == N::default() { a } else { greatest_common_divisor(b, a % b) }
 }
 
 #[cfg(test)]

@@ -16,8 +16,7 @@ impl Reasons {
     pub fn get(&self, name: &str) -> Option<&str> {
         self.iter()
             .find(|(key, _)| {
-                name.strip_prefix(key)
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+                name.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
             })
             .map(|(_, reason)| reason)
     }
@@ -33,9 +32,7 @@ impl Reasons {
     }
 
     pub(crate) fn note(&mut self, name: &str, reason: impl Into<String>) {
-        self.0
-            .entry(name.to_owned())
-            .or_insert_with(|| reason.into());
+        self.0.entry(name.to_owned()).or_insert_with(|| reason.into());
     }
 
     pub(crate) fn note_all(&mut self, names: &[&str], reason: &str) {

@@ -81,11 +81,7 @@ fn one(row: usize, printed: &ReportedCorrelation) -> Result<Recheck, StatsError>
         '>' => largest > p,
         _ => smallest <= p + p_half && largest >= p - p_half,
     };
-    Ok(Recheck {
-        p: p_of_r(r, df),
-        p_range: [smallest, largest],
-        consistent,
-    })
+    Ok(Recheck { p: p_of_r(r, df), p_range: [smallest, largest], consistent })
 }
 
 /// A printed number and half a unit of its last digit.

@@ -83,11 +83,7 @@ pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, Sta
     let (mean_y, ss_y) = mean_and_square_sum(y.iter().copied());
     let (dx, dy) = (centred(x), centred(y));
     let slope = dx.iter().zip(&dy).map(|(a, b)| a * b).sum::<f64>() / ss_x;
-    let rest: f64 = dx
-        .iter()
-        .zip(&dy)
-        .map(|(a, b)| (b - slope * a).powi(2))
-        .sum();
+    let rest: f64 = dx.iter().zip(&dy).map(|(a, b)| (b - slope * a).powi(2)).sum();
     let mut undefined = Reasons::default();
     let sd = (n > 2.0).then(|| (rest / (n - 2.0)).sqrt());
     let slope_se = sd.map(|sd| sd / ss_x.sqrt());
@@ -95,9 +91,7 @@ pub fn linear_fit(x: &[Option<f64>], y: &[Option<f64>]) -> Result<LinearFit, Sta
         let names = ["residual_sd", "slope_se", "intercept_se", "slope_p"];
         undefined.note_all(&names, "two pairs leave no degrees of freedom");
     }
-    let slope_p = slope_se
-        .filter(|se| *se > 0.0)
-        .map(|se| t_two_sided(slope / se, n - 2.0));
+    let slope_p = slope_se.filter(|se| *se > 0.0).map(|se| t_two_sided(slope / se, n - 2.0));
     if slope_p.is_none() {
         let reason = "the pairs lie on the line, so the slope has no error";
         undefined.note("slope_p", reason);

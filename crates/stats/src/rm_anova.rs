@@ -137,9 +137,7 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
     let (ss_condition, ss_subject, ss_error) =
         (parts.ss_condition, parts.ss_subject, parts.ss_error);
     let (ms_error, ms_subject) = (ss_error / d2, ss_subject / (n as f64 - 1.0));
-    let f = (ss_error > 0.0)
-        .then(|| (ss_condition / d1) / ms_error)
-        .filter(|f| f.is_finite());
+    let f = (ss_error > 0.0).then(|| (ss_condition / d1) / ms_error).filter(|f| f.is_finite());
     let p = f.map(|f| f_upper(f, d1, d2));
     let effect = ss_condition + ss_error;
     let total = effect + ss_subject;
@@ -196,9 +194,7 @@ pub(crate) fn test(data: &WithinSubjects, parts: &Decomposition) -> (RmAnova, Re
         ss_error,
         eta2_partial: (effect > 0.0).then(|| ss_condition / effect),
         eta2_partial_ci90: interval.map(share),
-        compat: RmAnovaCompat {
-            eta2_partial_ci90_mbess: interval.map(share_mbess),
-        },
+        compat: RmAnovaCompat { eta2_partial_ci90_mbess: interval.map(share_mbess) },
         eta2_generalized: (total > 0.0).then(|| ss_condition / total),
         eta2_generalized_ci90: interval.map(share_of_all),
         omega2_partial: (total > 0.0)
@@ -213,9 +209,8 @@ mod tests {
     use super::*;
 
     fn of(rows: &[Vec<f64>]) -> (RmAnova, Reasons) {
-        let names: Vec<String> = (0..rows.len().max(rows[0].len()))
-            .map(|i| i.to_string())
-            .collect();
+        let names: Vec<String> =
+            (0..rows.len().max(rows[0].len())).map(|i| i.to_string()).collect();
         let (conditions, subjects) = (&names[..rows[0].len()], &names[..rows.len()]);
         let data = WithinSubjects::from_rows(conditions, subjects, rows).unwrap();
         test(&data, &decompose(&data))
@@ -233,20 +228,10 @@ mod tests {
 
     #[test]
     fn an_interval_of_omega_squared_holds_it_or_does_not_exist() {
-        let below_1 = [
-            [1.0, 2.0, 4.0],
-            [3.0, 2.0, 1.0],
-            [2.0, 5.0, 3.0],
-            [4.0, 4.0, 6.0],
-        ];
+        let below_1 = [[1.0, 2.0, 4.0], [3.0, 2.0, 1.0], [2.0, 5.0, 3.0], [4.0, 4.0, 6.0]];
         let (f, omega) = interval(&below_1.map(Vec::from));
         assert!((f - 0.549_295_774_648).abs() < 1e-9 && !omega);
-        let above_1 = [
-            [1.0, 2.0, 4.0],
-            [3.0, 2.0, 1.0],
-            [2.0, 5.0, 6.0],
-            [4.0, 4.0, 6.0],
-        ];
+        let above_1 = [[1.0, 2.0, 4.0], [3.0, 2.0, 1.0], [2.0, 5.0, 6.0], [4.0, 4.0, 6.0]];
         let (f, omega) = interval(&above_1.map(Vec::from));
         assert!((f - 1.563_380_281_690).abs() < 1e-9 && omega);
     }

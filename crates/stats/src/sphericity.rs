@@ -148,11 +148,7 @@ impl Spectrum {
     pub(crate) fn new(errors: Vec<Vec<f64>>, freedom: usize, cells: usize) -> Self {
         let mut values = squared_singular_values(errors);
         values.sort_by(|a, b| b.total_cmp(a));
-        Self {
-            values,
-            freedom,
-            cells,
-        }
+        Self { values, freedom, cells }
     }
 
     pub(crate) fn mauchly(&self) -> (Mauchly, Reasons) {
@@ -179,11 +175,7 @@ impl Spectrum {
             );
         }
         let ln_mean = libm::log(values.iter().sum::<f64>() / q);
-        let ln_w = values
-            .iter()
-            .map(|v| libm::log(*v) - ln_mean)
-            .sum::<f64>()
-            .min(0.0);
+        let ln_w = values.iter().map(|v| libm::log(*v) - ln_mean).sum::<f64>().min(0.0);
         let rho = 1.0 - (2.0 * q * q + q + 2.0) / (6.0 * q * freedom);
         let df = values.len() * (values.len() + 1) / 2 - 1;
         let chi2 = (-freedom * rho * ln_w).max(0.0);
@@ -202,10 +194,7 @@ impl Spectrum {
             chi2: Some(chi2),
             df: Some(df),
             p: Some(with_term(self.cells as f64)),
-            compat: MauchlyCompat {
-                p_anderson: Some(with_term(q)),
-                p_chi2: Some(first),
-            },
+            compat: MauchlyCompat { p_anderson: Some(with_term(q)), p_chi2: Some(first) },
         };
         (test, Reasons::default())
     }
@@ -219,19 +208,15 @@ impl Spectrum {
     ) -> (Sphericity, Reasons) {
         let mut reasons = Reasons::default();
         let (q, freedom) = (self.values.len() as f64, self.freedom as f64);
-        let (sum, squares) = self
-            .values
-            .iter()
-            .fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
+        let (sum, squares) = self.values.iter().fold((0.0, 0.0), |(s, q), v| (s + v, q + v * v));
         let lower_bound = 1.0 / q;
         let gg = (squares > 0.0).then(|| (sum * sum / (q * squares)).clamp(lower_bound, 1.0));
         let (hf_raw, hf) = match gg {
             Some(gg) => {
                 let denominator = q * (freedom - q * gg);
                 let raw = ((freedom + 1.0) * q * gg - 2.0) / denominator;
-                let raw = (denominator.abs() > 1e-12 * freedom)
-                    .then_some(raw)
-                    .filter(|r| r.is_finite());
+                let raw =
+                    (denominator.abs() > 1e-12 * freedom).then_some(raw).filter(|r| r.is_finite());
                 let cut = raw.filter(|&raw| raw > 0.0).map_or(1.0, |raw| raw.min(1.0));
                 (raw, Some(cut))
             }

@@ -33,14 +33,8 @@ mod tests {
     fn the_ends_are_those_of_the_chi_squared_distribution() {
         // qchisq(c(.975, .025), 5) of R: 12.8325, 0.831212.
         let (low, high) = sd_interval(2.0, 5.0).unwrap();
-        assert!(
-            (low - 2.0 * (5.0_f64 / 12.832_502).sqrt()).abs() < 1e-6,
-            "{low}"
-        );
-        assert!(
-            (high - 2.0 * (5.0_f64 / 0.831_212).sqrt()).abs() < 1e-5,
-            "{high}"
-        );
+        assert!((low - 2.0 * (5.0_f64 / 12.832_502).sqrt()).abs() < 1e-6, "{low}");
+        assert!((high - 2.0 * (5.0_f64 / 0.831_212).sqrt()).abs() < 1e-5, "{high}");
         assert_eq!(sd_interval(0.0, 5.0), None);
         assert_eq!(sd_interval(1.0, 0.0), None);
         assert_eq!(sd_interval(f64::NAN, 5.0), None);

@@ -104,10 +104,7 @@ pub fn levene(groups: &[String], values: &[Option<f64>]) -> Result<VarianceTests
     let mean = |sample: &[f64]| mean_and_square_sum(sample.iter().copied()).0;
     let levene_mean = distances(&samples, mean);
     let levene_median = distances(&samples, median);
-    for (name, test) in [
-        ("levene_mean", &levene_mean),
-        ("levene_median", &levene_median),
-    ] {
+    for (name, test) in [("levene_mean", &levene_mean), ("levene_median", &levene_median)] {
         if test.f.is_none() {
             let reason = "the distances do not vary within groups";
             undefined.note_below(name, &["F", "p"], reason);
@@ -149,12 +146,7 @@ fn distances(samples: &[Vec<f64>], centre: impl Fn(&[f64]) -> f64) -> Levene {
         within += squares;
     }
     let f = varies.then(|| (between / df1 as f64) / (within / df2 as f64));
-    Levene {
-        f,
-        p: f.map(|f| f_upper(f, df1 as f64, df2 as f64)),
-        df1,
-        df2,
-    }
+    Levene { f, p: f.map(|f| f_upper(f, df1 as f64, df2 as f64)), df1, df2 }
 }
 
 fn bartlett(samples: &[Vec<f64>]) -> Bartlett {
@@ -174,11 +166,7 @@ fn bartlett(samples: &[Vec<f64>]) -> Bartlett {
         let correction = 1.0 + (inverse - 1.0 / total) / (3.0 * (groups - 1.0));
         (total * libm::log(pooled / total) - logs) / correction
     });
-    Bartlett {
-        k2,
-        p: k2.map(|k2| chi2_upper(k2, groups - 1.0)),
-        df: samples.len() - 1,
-    }
+    Bartlett { k2, p: k2.map(|k2| chi2_upper(k2, groups - 1.0)), df: samples.len() - 1 }
 }
 
 #[cfg(test)]
@@ -189,9 +177,8 @@ mod tests {
     fn an_offset_moves_none_of_the_three_tests() {
         let groups: Vec<String> = (0..12).map(|i| format!("g{}", i % 3)).collect();
         let at = |offset: f64| {
-            let values: Vec<_> = (0..12)
-                .map(|i| Some(offset + f64::from(i * i % 17) * 0.25))
-                .collect();
+            let values: Vec<_> =
+                (0..12).map(|i| Some(offset + f64::from(i * i % 17) * 0.25)).collect();
             levene(&groups, &values).unwrap()
         };
         let (near, far) = (at(0.0), at(1e12));

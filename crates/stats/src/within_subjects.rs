@@ -154,12 +154,7 @@ impl WithinSubjects {
         StatsError::two_conditions(conditions.len())?;
         tell_apart(&[conditions.as_slice()])?;
         complete::enough("subject", subjects.len(), dropped.len(), 2)?;
-        Ok(Self {
-            conditions,
-            subjects,
-            dropped,
-            values,
-        })
+        Ok(Self { conditions, subjects, dropped, values })
     }
 
     /// Number of complete subjects, at least 2.
@@ -270,11 +265,7 @@ pub(crate) struct Index {
 impl Index {
     pub(crate) fn from_labels<'l>(labels: impl IntoIterator<Item = &'l String>) -> Self {
         let mut positions = std::collections::HashMap::new();
-        let mut index = Self {
-            names: Vec::new(),
-            rows: Vec::new(),
-            repeated: None,
-        };
+        let mut index = Self { names: Vec::new(), rows: Vec::new(), repeated: None };
         for label in labels {
             let next = index.names.len();
             let position = *positions.entry(label.as_str()).or_insert(next);
@@ -345,10 +336,7 @@ mod tests {
         let one = WithinSubjects::from_long(&names("a a"), &names("x y"), &[Some(1.0), Some(2.0)]);
         assert!(matches!(one, Err(StatsError::TooFew { .. })));
         let one = WithinSubjects::from_long(&names("a b"), &names("x x"), &[Some(1.0), Some(2.0)]);
-        assert!(matches!(
-            one,
-            Err(StatsError::TooFewConditions { found: 1 })
-        ));
+        assert!(matches!(one, Err(StatsError::TooFewConditions { found: 1 })));
         let bad = WithinSubjects::from_long(&names("a b"), &names("x y"), &[Some(f64::NAN), None]);
         assert!(matches!(bad, Err(StatsError::NotFinite { row: 0, .. })));
         assert!(matches!(
@@ -364,15 +352,9 @@ mod tests {
             ("y", vec![Some(2.0), Some(5.0), Some(4.0)]),
         ])
         .unwrap();
-        assert_eq!(
-            (data.subjects(), data.dropped()),
-            (&names("1 3")[..], &names("2")[..])
-        );
+        assert_eq!((data.subjects(), data.dropped()), (&names("1 3")[..], &names("2")[..]));
         let short = WithinSubjects::from_columns([("x", vec![1.0, 2.0]), ("y", vec![1.0])]);
-        assert!(matches!(
-            short,
-            Err(StatsError::LengthMismatch { found: 1, .. })
-        ));
+        assert!(matches!(short, Err(StatsError::LengthMismatch { found: 1, .. })));
         let twice = WithinSubjects::from_columns([("x", vec![1.0, 2.0]), ("x", vec![1.0, 2.0])]);
         assert!(matches!(twice, Err(StatsError::DoubleName { .. })));
     }

@@ -3,11 +3,7 @@
 //! A check is right if it is within either tolerance; none means equal. A number marked
 //! `undefined` must be null, with a reason in `undefined`. `STATS_CASES` names another
 //! folder of such cases, as `tests/external/stats_differential.py` draws them.
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "helpers of tests may fail like tests"
-)]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail like tests")]
 
 mod table;
 
@@ -36,56 +32,16 @@ const KNOWN_WRONG: [(&str, &str, &str); 13] = [
         "shapiro.residuals.p",
         "R tests rounding noise: the residuals are exactly zero",
     ),
-    (
-        "all_equal",
-        "shapiro.c1.W",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.c1.p",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.c2.W",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.c2.p",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.c3.W",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.c3.p",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.residuals.W",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "all_equal",
-        "shapiro.residuals.p",
-        "SciPy returns 1 for 0/0; R refuses",
-    ),
-    (
-        "one_constant_condition",
-        "shapiro.c1.W",
-        "the case's own title says that it is not defined",
-    ),
-    (
-        "one_constant_condition",
-        "shapiro.c1.p",
-        "the case's own title says that it is not defined",
-    ),
+    ("all_equal", "shapiro.c1.W", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.c1.p", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.c2.W", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.c2.p", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.c3.W", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.c3.p", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.residuals.W", "SciPy returns 1 for 0/0; R refuses"),
+    ("all_equal", "shapiro.residuals.p", "SciPy returns 1 for 0/0; R refuses"),
+    ("one_constant_condition", "shapiro.c1.W", "the case's own title says that it is not defined"),
+    ("one_constant_condition", "shapiro.c1.p", "the case's own title says that it is not defined"),
     (
         "corr_constant",
         "spearman.p_exact",
@@ -126,11 +82,8 @@ fn answer(case: &Value, table: &Table) -> Value {
         "equivalence" => equivalence(case, table),
         "bayes" => bayes(case, table),
         "items" => {
-            let columns: Vec<_> = table
-                .header
-                .iter()
-                .map(|h| (h.as_str(), table.numbers(h)))
-                .collect();
+            let columns: Vec<_> =
+                table.header.iter().map(|h| (h.as_str(), table.numbers(h))).collect();
             let items: Vec<(&str, &[Option<f64>])> =
                 columns.iter().map(|(h, c)| (*h, &c[..])).collect();
             json(&stats::alpha(&items, None).unwrap())
@@ -199,10 +152,7 @@ fn by_design(case: &Value, table: &Table) -> Value {
             .iter()
             .map(|(name, products)| {
                 let effects = products.as_array().unwrap().iter();
-                (
-                    name.as_str(),
-                    effects.map(|e| e.as_str().unwrap()).collect(),
-                )
+                (name.as_str(), effects.map(|e| e.as_str().unwrap()).collect())
             })
             .collect(),
         labels: Vec::new(),
@@ -226,10 +176,7 @@ fn crossover(table: &Table) -> Value {
         values: &values,
         ..Default::default()
     };
-    let choice = stats::DesignChoice {
-        test: stats::AskedTest::Mixed,
-        ..Default::default()
-    };
+    let choice = stats::DesignChoice { test: stats::AskedTest::Mixed, ..Default::default() };
     serde_json::json!({
         "by_design": stats::compare_by_design(&columns, &choice).unwrap(),
         "carry_over": stats::carry_over(&columns).unwrap(),
@@ -245,23 +192,15 @@ fn event_rates(table: &Table) -> Value {
     let cells: Vec<stats::Exposed> = events
         .iter()
         .zip(&weeks)
-        .map(|(&events, &time)| stats::Exposed {
-            events: events as usize,
-            time,
-        })
+        .map(|(&events, &time)| stats::Exposed { events: events as usize, time })
         .collect();
-    let rows: Vec<Vec<stats::Exposed>> = cells
-        .chunks(conditions.len())
-        .map(<[stats::Exposed]>::to_vec)
-        .collect();
+    let rows: Vec<Vec<stats::Exposed>> =
+        cells.chunks(conditions.len()).map(<[stats::Exposed]>::to_vec).collect();
     serde_json::to_value(stats::event_rates(&conditions, &rows, 100, 1).unwrap()).unwrap()
 }
 
 fn equivalence(case: &Value, table: &Table) -> Value {
-    let (low, high) = (
-        case["bounds"][0].as_f64().unwrap(),
-        case["bounds"][1].as_f64().unwrap(),
-    );
+    let (low, high) = (case["bounds"][0].as_f64().unwrap(), case["bounds"][1].as_f64().unwrap());
     let bounds = if case["standardized"] == Value::Bool(true) {
         stats::Bounds::Standardized { low, high }
     } else {
@@ -295,11 +234,7 @@ fn bayes(case: &Value, table: &Table) -> Value {
 /// A predictor whose values are all numbers is a covariate, any other a factor.
 fn random_intercept(case: &Value, table: &Table) -> Value {
     let formula: stats::Formula = case["fixed"].as_str().unwrap().parse().unwrap();
-    let labels: Vec<_> = formula
-        .predictors()
-        .iter()
-        .map(|name| table.labels(name))
-        .collect();
+    let labels: Vec<_> = formula.predictors().iter().map(|name| table.labels(name)).collect();
     let numbers: Vec<Option<Vec<Option<f64>>>> = labels
         .iter()
         .map(|column| {
@@ -327,9 +262,8 @@ fn random_intercept(case: &Value, table: &Table) -> Value {
         })
         .collect();
     let (people, y) = (table.text("subject"), table.numbers("value"));
-    let by: Option<Vec<&str>> = case["by"]
-        .as_array()
-        .map(|names| names.iter().filter_map(Value::as_str).collect());
+    let by: Option<Vec<&str>> =
+        case["by"].as_array().map(|names| names.iter().filter_map(Value::as_str).collect());
     let fit = match by {
         None => stats::random_intercept(&people, &formula, &predictors, &y),
         Some(by) => stats::random_by_factor(&people, &formula, &by, &predictors, &y),
@@ -354,26 +288,14 @@ fn mixed(case: &Value, table: &Table) -> Value {
 
 fn bootstrap(words: &str, table: &Table) -> Value {
     use stats::{BootstrapData, BootstrapSettings, Statistic};
-    let settings = BootstrapSettings {
-        resamples: 20_000,
-        seed: 7,
-        confidence: 0.95,
-    };
+    let settings = BootstrapSettings { resamples: 20_000, seed: 7, confidence: 0.95 };
     let result = if words.contains("pearson") {
         let (x, y) = (table.numbers("x"), table.numbers("y"));
         stats::bootstrap(Statistic::Pearson, BootstrapData::Pairs(&x, &y), &settings)
     } else if words.contains("mean") {
-        stats::bootstrap(
-            Statistic::Mean,
-            BootstrapData::Values(&table.numbers("value")),
-            &settings,
-        )
+        stats::bootstrap(Statistic::Mean, BootstrapData::Values(&table.numbers("value")), &settings)
     } else {
-        stats::bootstrap(
-            Statistic::Eta2Partial,
-            BootstrapData::Within(&table.within()),
-            &settings,
-        )
+        stats::bootstrap(Statistic::Eta2Partial, BootstrapData::Within(&table.within()), &settings)
     };
     serde_json::to_value(result.unwrap()).unwrap()
 }
@@ -394,11 +316,7 @@ mod erased {
 /// Every leaf under its dotted name.
 fn flat(value: &Value, path: &str, into: &mut BTreeMap<String, Value>) {
     let name = |key: &str| {
-        if path.is_empty() {
-            key.to_owned()
-        } else {
-            format!("{path}.{key}")
-        }
+        if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
     };
     match value {
         Value::Object(map) => {
@@ -454,9 +372,7 @@ fn problem(
                 .then(|| format!("want {}, got {:?}", want["value"], got.get(name)));
         }
         Value::Array(list) => {
-            let have: Vec<&Value> = (0..)
-                .map_while(|i| got.get(&format!("{name}.{i}")))
-                .collect();
+            let have: Vec<&Value> = (0..).map_while(|i| got.get(&format!("{name}.{i}"))).collect();
             let same = have.len() == list.len() && list.iter().all(|v| have.contains(&v));
             return (!same).then(|| format!("want {list:?}, got {have:?}"));
         }
@@ -491,10 +407,7 @@ fn every_check_of_every_case_holds() {
     let folder =
         other.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/oracle"));
     let (mut faults, mut checks, mut cases) = (Vec::new(), 0, 0);
-    let mut folders: Vec<_> = fs::read_dir(folder)
-        .unwrap()
-        .map(|f| f.unwrap().path())
-        .collect();
+    let mut folders: Vec<_> = fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()).collect();
     folders.sort();
     for folder in folders {
         let case: Value =
@@ -523,9 +436,7 @@ fn every_check_of_every_case_holds() {
                 let null =
                     got.get(name).is_none_or(Value::is_null) && said_undefined(name, &answer);
                 if !null {
-                    faults.push(format!(
-                        "{id}: {name}: listed as known wrong, but is not null"
-                    ));
+                    faults.push(format!("{id}: {name}: listed as known wrong, but is not null"));
                 }
             } else if let Some(problem) = problem {
                 faults.push(format!("{id}: {name}: {problem}"));
@@ -533,14 +444,6 @@ fn every_check_of_every_case_holds() {
         }
         cases += 1;
     }
-    assert!(
-        faults.is_empty(),
-        "{} of {checks} checks:\n{}",
-        faults.len(),
-        faults.join("\n")
-    );
-    assert!(
-        !own || (cases > 50 && checks > 5000),
-        "{cases} cases, {checks} checks"
-    );
+    assert!(faults.is_empty(), "{} of {checks} checks:\n{}", faults.len(), faults.join("\n"));
+    assert!(!own || (cases > 50 && checks > 5000), "{cases} cases, {checks} checks");
 }

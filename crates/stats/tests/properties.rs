@@ -27,10 +27,8 @@ fn rows() -> impl Strategy<Value = Vec<Vec<f64>>> {
 }
 
 fn changed(rows: &[Vec<f64>], change: impl Fn(f64) -> f64) -> WithinSubjects {
-    let rows: Vec<Vec<f64>> = rows
-        .iter()
-        .map(|row| row.iter().map(|&v| change(v)).collect())
-        .collect();
+    let rows: Vec<Vec<f64>> =
+        rows.iter().map(|row| row.iter().map(|&v| change(v)).collect()).collect();
     table(&rows)
 }
 
@@ -70,11 +68,7 @@ fn finite_or_explained(value: &Value, name: &str, root: &Value, faults: &mut Vec
     match value {
         Value::Object(map) => {
             for (key, inner) in map.iter().filter(|(key, _)| *key != "undefined") {
-                let name = if name.is_empty() {
-                    key.clone()
-                } else {
-                    format!("{name}.{key}")
-                };
+                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
                 finite_or_explained(inner, &name, root, faults);
             }
         }
@@ -337,10 +331,8 @@ fn ideal(n: usize, value: impl Fn(&[u32]) -> Option<f64>) -> Vec<(f64, f64)> {
         let ways = factorial(n as u32) / counts.iter().map(|&c| factorial(c)).product::<f64>();
         ways / (n as f64).powi(n as i32)
     };
-    let mut values: Vec<(f64, f64)> = all
-        .iter()
-        .filter_map(|counts| Some((value(counts)?, weight(counts))))
-        .collect();
+    let mut values: Vec<(f64, f64)> =
+        all.iter().filter_map(|counts| Some((value(counts)?, weight(counts)))).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     values
 }
@@ -361,11 +353,8 @@ fn bootstrap_intervals_are_the_enumerated_ones_within_simulation_error() {
     .map(Vec::from);
     let data = table(&rows);
     let drawn = |counts: &[u32]| {
-        let rows: Vec<Vec<f64>> = counts
-            .iter()
-            .zip(&rows)
-            .flat_map(|(&c, row)| vec![row.clone(); c as usize])
-            .collect();
+        let rows: Vec<Vec<f64>> =
+            counts.iter().zip(&rows).flat_map(|(&c, row)| vec![row.clone(); c as usize]).collect();
         within(&table(&rows))
     };
     let statistics: [(Statistic, Read); 4] = [
@@ -376,11 +365,7 @@ fn bootstrap_intervals_are_the_enumerated_ones_within_simulation_error() {
     ];
     for (statistic, read) in statistics {
         let all = ideal(rows.len(), |counts| read(&drawn(counts)));
-        let settings = BootstrapSettings {
-            resamples: 20_000,
-            seed: 11,
-            confidence: 0.95,
-        };
+        let settings = BootstrapSettings { resamples: 20_000, seed: 11, confidence: 0.95 };
         let found = bootstrap(statistic, BootstrapData::Within(&data), &settings).unwrap();
         let share = |limit: f64, inside: fn(f64, f64) -> bool| -> f64 {
             let inner = all.iter().filter(|(v, _)| inside(*v, limit));
@@ -388,26 +373,11 @@ fn bootstrap_intervals_are_the_enumerated_ones_within_simulation_error() {
         };
         // Five standard errors of a share of 20,000 draws; ties may sit on either side.
         let error = 5.0 * (0.025_f64 * 0.975 / 20_000.0).sqrt();
-        let (low, high) = (
-            found.percentile.low.unwrap(),
-            found.percentile.high.unwrap(),
-        );
-        assert!(
-            share(low, |v, l| v < l - 1e-12) <= 0.025 + error,
-            "{statistic:?} {low}"
-        );
-        assert!(
-            share(low, |v, l| v <= l + 1e-12) >= 0.025 - error,
-            "{statistic:?} {low}"
-        );
-        assert!(
-            share(high, |v, l| v > l + 1e-12) <= 0.025 + error,
-            "{statistic:?} {high}"
-        );
-        assert!(
-            share(high, |v, l| v >= l - 1e-12) >= 0.025 - error,
-            "{statistic:?} {high}"
-        );
+        let (low, high) = (found.percentile.low.unwrap(), found.percentile.high.unwrap());
+        assert!(share(low, |v, l| v < l - 1e-12) <= 0.025 + error, "{statistic:?} {low}");
+        assert!(share(low, |v, l| v <= l + 1e-12) >= 0.025 - error, "{statistic:?} {low}");
+        assert!(share(high, |v, l| v > l + 1e-12) <= 0.025 + error, "{statistic:?} {high}");
+        assert!(share(high, |v, l| v >= l - 1e-12) >= 0.025 - error, "{statistic:?} {high}");
         let estimate = read(&within(&data)).unwrap();
         assert!((found.estimate.unwrap() - estimate).abs() < 1e-12);
     }

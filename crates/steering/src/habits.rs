@@ -152,23 +152,13 @@ mod tests {
     fn asked(rule: &HabitRule, lane: u8, lead_mps: f64, dx_m: f64, dy_m: f64) -> Setpoints {
         let scene = Scene {
             time_s: 0.0,
-            ego: EgoState {
-                x_m: 0.0,
-                y_m: 0.0,
-                speed_mps: 30.0,
-                length_m: 4.7,
-            },
+            ego: EgoState { x_m: 0.0, y_m: 0.0, speed_mps: 30.0, length_m: 4.7 },
             vehicles: Vec::new(),
         };
         rule.setpoints(&View {
             scene: &scene,
             road: &Road::PAPER,
-            reference: Reference {
-                vehicle: Some(VehicleId(1)),
-                speed_mps: lead_mps,
-                dx_m,
-                dy_m,
-            },
+            reference: Reference { vehicle: Some(VehicleId(1)), speed_mps: lead_mps, dx_m, dy_m },
             lane,
             activity: LaneActivity::Keeping,
         })

@@ -67,9 +67,7 @@ impl Lending {
         seed: u64,
     ) -> Result<Option<(Embedding, Lent)>, ModelError> {
         let lenders = self.lenders.iter();
-        let others: Vec<_> = lenders
-            .filter(|(lender, _)| Some(lender) != drive)
-            .collect();
+        let others: Vec<_> = lenders.filter(|(lender, _)| Some(lender) != drive).collect();
         let donors = others.iter().map(|(drive, style)| Donor {
             style,
             lent: self.lent.get(drive).copied().unwrap_or(0),
@@ -134,10 +132,7 @@ mod tests {
     fn lending(from: Donors, tested: usize, withheld: &[&str]) -> Lending {
         let style = |i: usize| Embedding::new(vec![0.0, i as f64 / 5.0 - 1.0]).unwrap();
         let tested = (0..tested).map(|i| (drive(&format!("P{i}-own")), style(i)));
-        let matched = Matched {
-            from,
-            apart_sd: [0.7, 2.5],
-        };
+        let matched = Matched { from, apart_sd: [0.7, 2.5] };
         let withheld = withheld.iter().map(|id| drive(id)).collect();
         Lending::of(&model(), matched, tested.collect(), &withheld).unwrap()
     }

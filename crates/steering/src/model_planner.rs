@@ -39,11 +39,7 @@ impl ModelPlanner {
                 (Rule::Networks(Box::new(networks)), settings.literal())
             }
         };
-        Ok(Self {
-            rule,
-            controllers,
-            failure: None,
-        })
+        Ok(Self { rule, controllers, failure: None })
     }
 
     /// The controllers that go with this planner: those given, with the paper's rule of following if the paper's networks plan.

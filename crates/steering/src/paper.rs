@@ -92,10 +92,7 @@ mod tests {
     }
 
     fn reference(id: u32) -> Reference {
-        Reference {
-            vehicle: Some(VehicleId(id)),
-            ..Reference::free_road(&Road::PAPER)
-        }
+        Reference { vehicle: Some(VehicleId(id)), ..Reference::free_road(&Road::PAPER) }
     }
 
     /// What `rule` wishes in `lane`, behind the vehicle `id`.
@@ -107,29 +104,17 @@ mod tests {
     ) -> LaneWish {
         let scene = Scene {
             time_s: 0.0,
-            ego: EgoState {
-                x_m: 0.0,
-                y_m: 0.0,
-                speed_mps: 30.0,
-                length_m: 4.7,
-            },
+            ego: EgoState { x_m: 0.0, y_m: 0.0, speed_mps: 30.0, length_m: 4.7 },
             vehicles: Vec::new(),
         };
-        let view = View {
-            scene: &scene,
-            road: &Road::PAPER,
-            reference: reference(id),
-            lane,
-            activity,
-        };
+        let view =
+            View { scene: &scene, road: &Road::PAPER, reference: reference(id), lane, activity };
         rule.wish(&view, p)
     }
 
     fn rows_until_due(rule: &mut PaperRule, lane: u8, p: f64) -> usize {
         let keeping = LaneActivity::Keeping;
-        (0..2000)
-            .take_while(|_| ask(rule, (lane, 1), keeping, p) == LaneWish::Stay)
-            .count()
+        (0..2000).take_while(|_| ask(rule, (lane, 1), keeping, p) == LaneWish::Stay).count()
     }
 
     #[test]
@@ -141,10 +126,7 @@ mod tests {
 
     #[test]
     fn moving_out_and_back_have_their_own_thresholds() {
-        let later = ControllerSettings {
-            merge_back_hazard_threshold: 0.8,
-            ..settings()
-        };
+        let later = ControllerSettings { merge_back_hazard_threshold: 0.8, ..settings() };
         let rows = |lane| rows_until_due(&mut PaperRule::new(&later), lane, 0.1);
         assert!(rows(1).abs_diff(2 * rows(0)) <= 2);
     }
@@ -152,10 +134,9 @@ mod tests {
     #[test]
     fn another_reference_vehicle_or_a_change_carried_out_starts_the_count_again() {
         let keeping = LaneActivity::Keeping;
-        for (between, carried_out) in [
-            (LaneActivity::Changing, true),
-            (LaneActivity::GoingBack, false),
-        ] {
+        for (between, carried_out) in
+            [(LaneActivity::Changing, true), (LaneActivity::GoingBack, false)]
+        {
             let mut rule = PaperRule::new(&settings());
             for _ in 0..70 {
                 assert_eq!(ask(&mut rule, (0, 1), keeping, 0.1), LaneWish::Stay);
@@ -173,10 +154,7 @@ mod tests {
 
     #[test]
     fn the_rule_of_the_paper_looks_at_this_moment_only() {
-        let paper = ControllerSettings {
-            change_rule: ChangeRule::Paper,
-            ..settings()
-        };
+        let paper = ControllerSettings { change_rule: ChangeRule::Paper, ..settings() };
         let mut rule = PaperRule::new(&paper);
         assert_eq!(rows_until_due(&mut rule, 0, 0.19), 2000);
         assert_eq!(
@@ -187,15 +165,8 @@ mod tests {
 
     #[test]
     fn between_two_lanes_a_change_passes_what_is_ahead_and_else_goes_back() {
-        let road = Road {
-            lanes: 4,
-            ..Road::PAPER
-        };
-        let seen = |dx_m, dy_m| Reference {
-            dx_m,
-            dy_m,
-            ..reference(1)
-        };
+        let road = Road { lanes: 4, ..Road::PAPER };
+        let seen = |dx_m, dy_m| Reference { dx_m, dy_m, ..reference(1) };
         assert!(goes_out(&road, 0, &Reference::free_road(&road)));
         assert!(goes_out(&road, 1, &seen(30.0, 0.1)));
         assert!(!goes_out(&road, 2, &seen(-30.0, -3.6)));

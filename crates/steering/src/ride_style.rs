@@ -116,22 +116,12 @@ impl RideStyle {
                 let across = PerpendicularEllipse::of(model)?.sample(own, &mut rng)?;
                 Ok(placed(across.embedding, Some(0.0), Some(across.angle_rad)))
             }
-            Self::Lent {
-                apart_sd,
-                seed,
-                withheld,
-            } => {
-                let learned = Matched {
-                    from: Donors::Learned,
-                    apart_sd: *apart_sd,
-                };
+            Self::Lent { apart_sd, seed, withheld } => {
+                let learned = Matched { from: Donors::Learned, apart_sd: *apart_sd };
                 let mut lending = Lending::of(model, learned, Vec::new(), withheld)?;
                 let drawn = lending.lend((None, own), seed.0)?;
                 let (style, lent) = drawn.ok_or(ModelError::NoDonor)?;
-                Ok(PlacedStyle {
-                    lent: Some(lent),
-                    ..elsewhere(&style)?
-                })
+                Ok(PlacedStyle { lent: Some(lent), ..elsewhere(&style)? })
             }
             Self::Given(style) => match (style.size(), model.embedding_size()) {
                 (found, expected) if found != expected => {

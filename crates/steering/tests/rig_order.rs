@@ -13,15 +13,10 @@ const PEOPLE: usize = 80;
 fn the_order_is_lost_where_only_the_vehicle_ahead_is_seen_and_nowhere_else() {
     let scenario = Scenario::paper();
     let model = rig::learned(36, 1.9, &scenario).unwrap();
-    let people: Vec<_> = (0..PEOPLE)
-        .map(|i| rig::calm_and_aggressive(i, APART, &scenario).unwrap())
-        .collect();
+    let people: Vec<_> =
+        (0..PEOPLE).map(|i| rig::calm_and_aggressive(i, APART, &scenario).unwrap()).collect();
     let holds: Vec<f64> = (0..rig::STEPS.len())
-        .map(|step| {
-            rig::order(&people, &model, step, rig::seen_by(step))
-                .unwrap()
-                .holds
-        })
+        .map(|step| rig::order(&people, &model, step, rig::seen_by(step)).unwrap().holds)
         .collect();
     assert!(holds[0] >= 0.95, "{holds:?}");
     let lost: Vec<f64> = holds.windows(2).map(|pair| pair[0] - pair[1]).collect();

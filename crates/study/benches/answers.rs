@@ -31,36 +31,21 @@ static STUDY: LazyLock<TempDir> = LazyLock::new(|| {
     let conditions: Vec<String> = (1..=12).map(|n| format!("c{n:02}")).collect();
     let mut design = "[study]\ntitle = \"t\"\n".to_owned();
     for id in &conditions {
-        let _ = writeln!(
-            design,
-            "[[condition]]\nid = \"{id}\"\ncar = {{ recorded = true }}"
-        );
+        let _ = writeln!(design, "[[condition]]\nid = \"{id}\"\ncar = {{ recorded = true }}");
     }
     write("study.toml", design.as_bytes());
     let map = "[scales.long]\ncolumn = \"{condition}_long_{item}\"\n";
     write("columns.toml", map.as_bytes());
-    let names = conditions
-        .iter()
-        .flat_map(|c| items.iter().map(move |i| format!("{c}_long_{i}")));
-    let mut rows = vec![
-        std::iter::once("participant".to_owned())
-            .chain(names)
-            .collect::<Vec<_>>(),
-    ];
+    let names = conditions.iter().flat_map(|c| items.iter().map(move |i| format!("{c}_long_{i}")));
+    let mut rows = vec![std::iter::once("participant".to_owned()).chain(names).collect::<Vec<_>>()];
     for person in 1..=100_usize {
         let answers = (0..12 * 40).map(|at| (1 + (person * (at + 3) + at / 7) % 7).to_string());
-        rows.push(
-            std::iter::once(format!("P{person:03}"))
-                .chain(answers)
-                .collect(),
-        );
+        rows.push(std::iter::once(format!("P{person:03}")).chain(answers).collect());
     }
     let people: String = rows.iter().map(|row| row[0].clone() + "\n").collect();
     write("participants.csv", people.as_bytes());
-    let rows: Vec<Vec<&str>> = rows
-        .iter()
-        .map(|row| row.iter().map(String::as_str).collect())
-        .collect();
+    let rows: Vec<Vec<&str>> =
+        rows.iter().map(|row| row.iter().map(String::as_str).collect()).collect();
     let rows: Vec<&[&str]> = rows.iter().map(Vec::as_slice).collect();
     write("answers.xlsx", &workbook::workbook(&[("Sheet1", &rows)]));
     folder

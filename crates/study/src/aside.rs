@@ -22,9 +22,7 @@ impl Aside {
         let out = std::path::absolute(out).map_err(StudyError::write(out))?;
         let exists = out.ancestors().find(|folder| folder.is_dir());
         let place = exists.unwrap_or(&out);
-        out.ancestors()
-            .take(Self::LEVELS)
-            .for_each(Self::remove_left_behind);
+        out.ancestors().take(Self::LEVELS).for_each(Self::remove_left_behind);
         let folder = tempfile::Builder::new()
             .prefix(Self::PREFIX)
             .tempdir_in(place)
@@ -34,10 +32,7 @@ impl Aside {
         let file = File::create(&fresh).map_err(StudyError::write(&fresh))?;
         let _ = file.try_lock();
         std::fs::rename(&fresh, &lock).map_err(StudyError::write(&lock))?;
-        Ok(Self {
-            _lock: file,
-            folder,
-        })
+        Ok(Self { _lock: file, folder })
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -48,10 +43,7 @@ impl Aside {
     fn remove_left_behind(place: &Path) {
         for entry in std::fs::read_dir(place).into_iter().flatten().flatten() {
             let folder = entry.path();
-            let ours = entry
-                .file_name()
-                .to_string_lossy()
-                .starts_with(Self::PREFIX);
+            let ours = entry.file_name().to_string_lossy().starts_with(Self::PREFIX);
             if let Ok(lock) = File::options().write(true).open(folder.join(Self::LOCK))
                 && ours
                 && lock.try_lock().is_ok()

@@ -32,9 +32,7 @@ pub fn atomic_write(
 
 /// Writes bytes as [`atomic_write`] does.
 pub fn atomic_write_bytes(path: &Path, bytes: &[u8]) -> Result<(), StudyError> {
-    atomic_write(path, |file| {
-        file.write_all(bytes).map_err(StudyError::write(path))
-    })
+    atomic_write(path, |file| file.write_all(bytes).map_err(StudyError::write(path)))
 }
 
 /// Writes a recording as [`atomic_write`] does, with what stands beside it.
@@ -106,9 +104,5 @@ pub fn if_there<T: Default>(
     path: &Path,
     read: impl FnOnce(&Path) -> Result<T, StudyError>,
 ) -> Result<T, StudyError> {
-    if path.is_file() {
-        read(path)
-    } else {
-        Ok(T::default())
-    }
+    if path.is_file() { read(path) } else { Ok(T::default()) }
 }

@@ -40,8 +40,7 @@ pub(crate) fn named<'a>(
 
 /// The drives that are beyond, and by what.
 pub(crate) fn of_rows(rows: &[EmbeddingRow]) -> impl Iterator<Item = (String, &BeyondWhy)> {
-    rows.iter()
-        .filter_map(|row| Some((row.drive.to_string(), row.beyond_why.as_ref()?)))
+    rows.iter().filter_map(|row| Some((row.drive.to_string(), row.beyond_why.as_ref()?)))
 }
 
 /// One row a participant, of the drive of their first session: the fit with the score where there is one.
@@ -51,10 +50,7 @@ pub(crate) fn own_drives(rows: &[EmbeddingRow], baseline: ConditionId) -> Vec<&E
         let mut fits = rows.iter().filter(is_own_drive);
         fits.any(|r| r.participant == *p && r.adb_used)
     };
-    rows.iter()
-        .filter(is_own_drive)
-        .filter(|r| r.adb_used == has_adb_fit(&r.participant))
-        .collect()
+    rows.iter().filter(is_own_drive).filter(|r| r.adb_used == has_adb_fit(&r.participant)).collect()
 }
 
 /// Of everybody whose drive that is steered from is beyond what the model has learned from: whether a condition that turns the dial was
@@ -75,9 +71,7 @@ pub(crate) fn turned_for(
     };
     let steered_from = own_drives(rows, baseline).into_iter();
     let beyond = steered_from.filter(|row| row.beyond() == Some(true));
-    beyond
-        .map(|row| (row.participant.clone(), turned(&row.participant)))
-        .collect()
+    beyond.map(|row| (row.participant.clone(), turned(&row.participant))).collect()
 }
 
 /// A sentence for the drives that are beyond what the model has learned from, and one where it cannot say of any.
@@ -106,11 +100,7 @@ pub(crate) fn unknown(people: usize) -> String {
 fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
     let posted = model.posted();
     let [low, high] = [posted.lowest_mps, posted.highest_mps].map(|v| format!("{:.0}", 3.6 * v));
-    let range = if low == high {
-        low
-    } else {
-        format!("{low} to {high}")
-    };
+    let range = if low == high { low } else { format!("{low} to {high}") };
     let read = match posted.free_speed {
         FreeSpeed::Absolute => "its free speed is read in m/s, as if that were posted there too",
         FreeSpeed::Posted => "its free speed is read by its share of the limit",
@@ -119,10 +109,7 @@ fn unseen_limits(model: &Model, rows: &[EmbeddingRow]) -> Vec<String> {
         "the model learned where {range} km/h is posted, which is not what is posted here: {read}"
     );
     let unseen = rows.iter().filter(|row| row.posted_unseen == Some(true));
-    told_once(
-        "drive",
-        unseen.map(|row| (row.drive.to_string(), why.clone())),
-    )
+    told_once("drive", unseen.map(|row| (row.drive.to_string(), why.clone())))
 }
 
 #[cfg(test)]
@@ -133,9 +120,7 @@ mod tests {
 
     #[test]
     fn all_who_are_beyond_by_one_reason_are_one_sentence_in_the_habits_own_words() {
-        let by = |habit: &str| BeyondWhy::Style {
-            habit: habit.to_owned(),
-        };
+        let by = |habit: &str| BeyondWhy::Style { habit: habit.to_owned() };
         let (gap, scale) = (by("following_gap_s"), BeyondWhy::Scale);
         let who = |name: &str| name.to_owned();
         let rows = [(who("A"), &gap), (who("B"), &scale), (who("C"), &gap)];

@@ -51,10 +51,7 @@ impl DesignFile {
             problem: e.to_string(),
             help: e.suggestion(),
         })?;
-        Ok(Self {
-            path: Some(path.to_owned()),
-            design,
-        })
+        Ok(Self { path: Some(path.to_owned()), design })
     }
 
     /// The design that was asked for; else `study.toml` of the current directory; else the paper's.
@@ -73,10 +70,7 @@ impl DesignFile {
     pub fn below(root: &Path, given: Option<&Path>) -> Option<Self> {
         let path = given.unwrap_or(Path::new(DESIGN_FILE));
         let study = Self::read(&root.join(path)).ok()?;
-        Some(Self {
-            path: Some(path.to_owned()),
-            ..study
-        })
+        Some(Self { path: Some(path.to_owned()), ..study })
     }
 
     /// The same, else the paper's.
@@ -131,8 +125,7 @@ impl DesignFile {
     pub fn people(&self, given: Option<&Path>) -> Result<People, StudyError> {
         let path = &self.people_file(given);
         let enrolled = read_enrolled(path, &self.design)?;
-        self.forgotten()?
-            .refuse(path, enrolled.iter().map(|p| &p.id))?;
+        self.forgotten()?.refuse(path, enrolled.iter().map(|p| &p.id))?;
         Ok(People { enrolled })
     }
 
@@ -201,21 +194,14 @@ impl DesignFile {
     /// The name of the file, for messages.
     pub fn name(&self) -> String {
         let path = self.path.as_ref();
-        path.map_or_else(
-            || "the paper's design".to_owned(),
-            |p| p.to_slash_lossy().into_owned(),
-        )
+        path.map_or_else(|| "the paper's design".to_owned(), |p| p.to_slash_lossy().into_owned())
     }
 
     /// An error about a key of this design.
     pub fn wrong(&self, problem: impl Into<String>, help: Option<String>) -> StudyError {
         let problem = problem.into();
         match &self.path {
-            Some(path) => StudyError::BadFile {
-                path: path.clone(),
-                problem,
-                help,
-            },
+            Some(path) => StudyError::BadFile { path: path.clone(), problem, help },
             None => StudyError::NotPossible { problem, help },
         }
     }
@@ -280,10 +266,7 @@ pub(crate) fn drives_of(
         drives.extend(Some(drive?).filter(|drive| fits(drive.meta())));
     }
     if drives.is_empty() {
-        let problem = format!(
-            "holds no drive by hand of the {} people who are {whom}",
-            ids.len()
-        );
+        let problem = format!("holds no drive by hand of the {} people who are {whom}", ids.len());
         let help = format!(
             "who is {whom} is said by [people] of {}, whose drives these are by [names] of the mapping; [baseline] names the drive by hand",
             study.name()
@@ -309,10 +292,7 @@ mod tests {
         let path = folder.path().join("study.toml");
         let design = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n[files]\nscales = \"asked\"\n";
         std::fs::write(&path, design).unwrap();
-        let (own, paper) = (
-            DesignFile::read(&path).unwrap(),
-            DesignFile::paper().unwrap(),
-        );
+        let (own, paper) = (DesignFile::read(&path).unwrap(), DesignFile::paper().unwrap());
         let given = Path::new("given");
         for study in [&own, &paper] {
             assert_eq!(study.scales_folder(Some(given)), given);
@@ -331,10 +311,7 @@ mod tests {
         std::fs::write(&path, "[study]\ntitel = \"x\"\n").unwrap();
         let error = DesignFile::read(&path).unwrap_err();
         let said = error.to_string();
-        assert!(
-            said.contains("study.toml: line 2: unknown field `titel`"),
-            "{said}"
-        );
+        assert!(said.contains("study.toml: line 2: unknown field `titel`"), "{said}");
         assert_eq!(error.suggestion().unwrap(), "did you mean `title`?");
     }
 }

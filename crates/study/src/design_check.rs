@@ -45,9 +45,7 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     if let Some(id) = excluded.clone().find(|id| forgotten.has(id)) {
         return Err(study.wrong(
             format!("`exclude.people`: names {id}, who was forgotten"),
-            Some(format!(
-                "take {id} out of [exclude]: nothing of theirs is there any more"
-            )),
+            Some(format!("take {id} out of [exclude]: nothing of theirs is there any more")),
         ));
     }
     let unknown = |key: &str, word: &str, known: &mut dyn Iterator<Item = &str>| {
@@ -60,11 +58,8 @@ pub fn check_design(study: &DesignFile) -> Result<(), StudyError> {
     let drives = drives_of(study, &people);
     let mut named = study.design.exclude().drives.keys();
     if let Some(stranger) = named.find(|id| !drives.contains(id)) {
-        let error = unknown(
-            "exclude.drives",
-            stranger.as_str(),
-            &mut drives.iter().map(DriveId::as_str),
-        );
+        let error =
+            unknown("exclude.drives", stranger.as_str(), &mut drives.iter().map(DriveId::as_str));
         return Err(error);
     }
     Ok(())
@@ -185,10 +180,7 @@ fn of_scales(study: &DesignFile, scales: &[Scale]) -> Result<(), DesignError> {
         }
     }
     for (at, hypothesis) in design.hypotheses().iter().enumerate() {
-        known.either(
-            format!("hypothesis[{}].outcome", at + 1),
-            &hypothesis.outcome,
-        )?;
+        known.either(format!("hypothesis[{}].outcome", at + 1), &hypothesis.outcome)?;
     }
     for rating in design.homophily().iter().flat_map(|h| &h.ratings) {
         known.score("homophily.ratings", rating)?;
@@ -240,10 +232,7 @@ fn check_style_range(design: &Design, style: &Style, scales: &[Scale]) -> Result
         return Err(DesignError::key(
             "style.range",
             format!("[{from}, {to}]"),
-            format!(
-                "within {low} to {high}, the range of `{}` in its scale's file",
-                style.score
-            ),
+            format!("within {low} to {high}, the range of `{}` in its scale's file", style.score),
         ));
     }
     let conditions = design.conditions().iter();
@@ -253,11 +242,7 @@ fn check_style_range(design: &Design, style: &Style, scales: &[Scale]) -> Result
         Some((condition, dial)) => Err(DesignError::key(
             format!("condition.{}.car.dial", condition.id),
             dial,
-            format!(
-                "at most {} points either way, the width of `{}`",
-                to - from,
-                style.score
-            ),
+            format!("at most {} points either way, the width of `{}`", to - from, style.score),
         )),
     }
 }
@@ -281,10 +266,7 @@ pub fn study_notes(study: &DesignFile, results: &Path) -> Result<Vec<String>, St
     let enrolled = study.people(None)?;
     if enrolled.enrolled.is_empty() {
         let error = nobody_listed(&study.people_file(None));
-        notes.push(format!(
-            "{error}; {}",
-            error.suggestion().unwrap_or_default()
-        ));
+        notes.push(format!("{error}; {}", error.suggestion().unwrap_or_default()));
     }
     let neither: Vec<&str> = nobodys(&enrolled).map(|p| p.id.as_str()).collect();
     if !neither.is_empty() {
@@ -390,10 +372,7 @@ mod tests {
     fn a_table_of_people_without_a_row_is_told_and_what_to_write_into_it() {
         let head = "participant,part,years\n";
         let empty = said(head, "");
-        for part in [
-            "participants.csv: has no row: nobody takes part",
-            "write a row for each",
-        ] {
+        for part in ["participants.csv: has no row: nobody takes part", "write a row for each"] {
             assert!(empty.contains(part), "{empty}");
         }
         assert_eq!(said(&format!("{head}P01,test,41\n"), ""), "");
@@ -414,10 +393,7 @@ mod tests {
                 )
             };
         let results = tempfile::tempdir().unwrap();
-        assert!(
-            met(results.path()).unwrap().is_empty(),
-            "nothing is there yet"
-        );
+        assert!(met(results.path()).unwrap().is_empty(), "nothing is there yet");
         let notes = |rows: &[EmbeddingRow]| {
             write_embeddings(&results.path().join("embeddings.csv"), rows).unwrap();
             met(results.path()).unwrap()
@@ -427,14 +403,8 @@ mod tests {
         let habit = "following_gap_s".to_owned();
         let stranger = row("Q-own", Some(0.001), Some(BeyondWhy::Habits { habit }));
         let named = notes(&[usual, stranger]);
-        assert!(
-            named.len() == 1 && named[0].starts_with("drive Q-own: shows habits"),
-            "{named:?}"
-        );
+        assert!(named.len() == 1 && named[0].starts_with("drive Q-own: shows habits"), "{named:?}");
         let unknown = notes(&[row("P-own", None, None)]);
-        assert!(
-            unknown.len() == 1 && unknown[0].contains("nobody can say"),
-            "{unknown:?}"
-        );
+        assert!(unknown.len() == 1 && unknown[0].contains("nobody can say"), "{unknown:?}");
     }
 }

@@ -76,11 +76,7 @@ impl Data {
         if there.logs || there.answers || there.measures {
             there
         } else {
-            Self {
-                logs: true,
-                answers: true,
-                measures: false,
-            }
+            Self { logs: true, answers: true, measures: false }
         }
     }
 }
@@ -135,10 +131,7 @@ mod tests {
 
     fn written(more: &str) -> toml::Table {
         let text = format!("[study]\ntitle = \"x\"\n{more}");
-        let study = DesignFile {
-            path: None,
-            design: Design::from_toml(&text).unwrap(),
-        };
+        let study = DesignFile { path: None, design: Design::from_toml(&text).unwrap() };
         toml::from_str(&design_pipeline(&study)).unwrap()
     }
 
@@ -181,14 +174,7 @@ mod tests {
         for style in ["", styled] {
             assert_eq!(
                 names(&format!("{style}{conditions}")),
-                [
-                    "ingest",
-                    "score",
-                    "measure",
-                    "score-ratings",
-                    "stats",
-                    "report"
-                ]
+                ["ingest", "score", "measure", "score-ratings", "stats", "report"]
             );
         }
     }
@@ -213,10 +199,7 @@ mod tests {
             !found.iter().any(|n| n == "train") && found.iter().any(|n| n == "simulate"),
             "{found:?}"
         );
-        assert!(
-            !found.iter().any(|n| n == "rate"),
-            "real people rate for themselves"
-        );
+        assert!(!found.iter().any(|n| n == "rate"), "real people rate for themselves");
     }
 
     #[test]

@@ -22,19 +22,10 @@ pub enum StudyError {
     },
     /// A table that cannot be parsed.
     #[error("{}: not a readable {format} table: {problem}", path.to_slash_lossy())]
-    BadTable {
-        path: PathBuf,
-        format: &'static str,
-        problem: String,
-    },
+    BadTable { path: PathBuf, format: &'static str, problem: String },
     /// A table without the column asked for.
     #[error("{}: no column `{wanted}`; columns are {}", path.to_slash_lossy(), found.join(", "))]
-    NoColumn {
-        path: PathBuf,
-        wanted: String,
-        found: Vec<String>,
-        nearest: Option<String>,
-    },
+    NoColumn { path: PathBuf, wanted: String, found: Vec<String>, nearest: Option<String> },
     /// A cell that does not hold what its column should.
     #[error("{}: row {row}, column `{column}`: found `{found}`, expected {expected}", path.to_slash_lossy())]
     BadCell {
@@ -105,9 +96,9 @@ impl StudyError {
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<String> {
         match self {
-            Self::NoColumn { nearest, .. } => nearest
-                .as_ref()
-                .map(|name| format!("did you mean `{name}`?")),
+            Self::NoColumn { nearest, .. } => {
+                nearest.as_ref().map(|name| format!("did you mean `{name}`?"))
+            }
             Self::BadFile { help, .. } | Self::NotPossible { help, .. } => help.clone(),
             Self::Io { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
                 Some("check the path; relative paths start at the current folder".to_owned())
@@ -131,11 +122,7 @@ impl StudyError {
         path: impl Into<PathBuf>,
     ) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
-        move |source| Self::Io {
-            action,
-            path,
-            source,
-        }
+        move |source| Self::Io { action, path, source }
     }
 
     pub(crate) fn read(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
@@ -158,18 +145,11 @@ impl StudyError {
     }
 
     pub(crate) fn file(path: impl Into<PathBuf>, problem: impl Into<String>) -> Self {
-        Self::BadFile {
-            path: path.into(),
-            problem: problem.into(),
-            help: None,
-        }
+        Self::BadFile { path: path.into(), problem: problem.into(), help: None }
     }
 
     pub(crate) fn not_possible(problem: impl Into<String>) -> Self {
-        Self::NotPossible {
-            problem: problem.into(),
-            help: None,
-        }
+        Self::NotPossible { problem: problem.into(), help: None }
     }
 
     /// The same with what to do; of errors that say it by themselves nothing changes.

@@ -38,9 +38,7 @@ impl ForgottenList {
             hashes.map(str::to_owned).collect()
         };
         let models = rows.into_iter().map(|row| (hashes(&row), row.participant));
-        Ok(Self {
-            models: models.map(|(hashes, who)| (who, hashes)).collect(),
-        })
+        Ok(Self { models: models.map(|(hashes, who)| (who, hashes)).collect() })
     }
 
     /// Whether somebody was forgotten: their id is nobody else's.

@@ -27,10 +27,7 @@ pub(crate) fn mean_interval(
     if values.iter().flatten().count() < 2 {
         return Ok(None);
     }
-    let settings = BootstrapSettings {
-        seed,
-        ..BootstrapSettings::default()
-    };
+    let settings = BootstrapSettings { seed, ..BootstrapSettings::default() };
     let intervals = bootstrap(Statistic::Mean, BootstrapData::Values(values), &settings)?;
     Ok(Some(intervals.percentile))
 }

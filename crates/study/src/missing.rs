@@ -84,13 +84,8 @@ pub fn missing(
     if !study.design.protocol().post.is_empty() {
         moments.push(Moment::Post);
     }
-    let mut counts: Vec<Counted> = moments
-        .into_iter()
-        .map(|moment| Counted {
-            moment,
-            kinds: [(0, 0); 4],
-        })
-        .collect();
+    let mut counts: Vec<Counted> =
+        moments.into_iter().map(|moment| Counted { moment, kinds: [(0, 0); 4] }).collect();
     let mut rows = Vec::new();
     for person in sources.people() {
         for time in &mut counts {
@@ -115,11 +110,7 @@ pub fn missing(
     }
     // A time at which nothing is awaited of anybody is none of the study's.
     counts.retain(|time| time.kinds.iter().any(|(_, awaited)| *awaited > 0));
-    Ok(Missing {
-        rows,
-        people: sources.people().len(),
-        counts,
-    })
+    Ok(Missing { rows, people: sources.people().len(), counts })
 }
 
 impl Missing {
@@ -159,11 +150,7 @@ impl Missing {
             format!("and {lines} more: `maveric status --missing missing.csv` writes all")
         });
         let shown = lines.into_iter().take(MOST_LINES);
-        self.summary()
-            .into_iter()
-            .chain(shown)
-            .chain(rest)
-            .collect()
+        self.summary().into_iter().chain(shown).chain(rest).collect()
     }
 
     /// Writes all rows as a table.
@@ -204,15 +191,9 @@ mod tests {
             lines(&["P1", "P2"], 2),
             ["missing: log 2 of 2", "pre, log: no log (everybody)"]
         );
-        assert_eq!(
-            lines(&["P1", "P2"], 3),
-            ["missing: log 2 of 3", "pre, log: no log (P1, P2)"]
-        );
+        assert_eq!(lines(&["P1", "P2"], 3), ["missing: log 2 of 3", "pre, log: no log (P1, P2)"]);
         // One who is alone in a study is called by their name.
-        assert_eq!(
-            lines(&["P1"], 1),
-            ["missing: log 1 of 1", "pre, log: no log (P1)"]
-        );
+        assert_eq!(lines(&["P1"], 1), ["missing: log 1 of 1", "pre, log: no log (P1)"]);
         assert!(lines(&[], 3).is_empty());
     }
 }

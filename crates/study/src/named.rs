@@ -53,10 +53,7 @@ mod tests {
         assert!(names("logs/P1-own.mcap", "P1") && names("P1", "P1"));
         assert!(!names("logs/P12.mcap", "P1") && !names("xP1", "P1"));
         let text = "people = { P1 = \"gone\" } # P12, P1-own, P1";
-        assert_eq!(
-            without(text, ["P1-own", "P1"]),
-            "people = { … = \"gone\" } # P12, …, …"
-        );
+        assert_eq!(without(text, ["P1-own", "P1"]), "people = { … = \"gone\" } # P12, …, …");
     }
 
     #[test]

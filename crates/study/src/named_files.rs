@@ -39,10 +39,7 @@ pub fn check_named_files(study: &DesignFile, results: &Path) -> Result<(), Study
     match named.into_iter().find(|(_, path, _)| absent(path)) {
         None => Ok(()),
         Some((key, path, help)) => Err(study.wrong(
-            format!(
-                "`{key}` names {}, which is not there",
-                path.to_slash_lossy()
-            ),
+            format!("`{key}` names {}, which is not there", path.to_slash_lossy()),
             Some(help.to_owned()),
         )),
     }
@@ -83,10 +80,7 @@ mod tests {
     #[test]
     fn what_is_named_and_not_there_is_refused_by_its_key_and_path() {
         for (files, words) in [
-            (
-                "logs = \"logz\"",
-                "`files.logs` names logz, which is not there",
-            ),
+            ("logs = \"logz\"", "`files.logs` names logz, which is not there"),
             ("mapping = \"map.toml\"", "`files.mapping` names map.toml,"),
             (
                 "mapping = [{ logs = \"logs\" }, { logs = \"rig2\", file = \"rig2.toml\" }]",
@@ -100,13 +94,7 @@ mod tests {
             let error = said(files, &[]);
             assert!(error.contains(words), "{error}");
         }
-        assert_eq!(
-            said(
-                "logs = \"raw\"\nmapping = \"map.toml\"",
-                &["raw/a.csv", "map.toml"]
-            ),
-            ""
-        );
+        assert_eq!(said("logs = \"raw\"\nmapping = \"map.toml\"", &["raw/a.csv", "map.toml"]), "");
     }
 
     #[test]
@@ -120,13 +108,7 @@ mod tests {
         let answers = "answers = \"surveys/may.csv\"";
         assert_eq!(said(answers, &[]), "");
         let error = said(answers, &["results/scores.csv"]);
-        assert!(
-            error.contains("`files.answers` names surveys/may.csv,"),
-            "{error}"
-        );
-        assert_eq!(
-            said(answers, &["results/scores.csv", "surveys/may.csv"]),
-            ""
-        );
+        assert!(error.contains("`files.answers` names surveys/may.csv,"), "{error}");
+        assert_eq!(said(answers, &["results/scores.csv", "surveys/may.csv"]), "");
     }
 }

@@ -39,10 +39,7 @@ pub(crate) fn warnings(range: ScoreRange, off: &[OffTheScale]) -> Vec<String> {
     let why = format!(
         "reads as a score outside {range}, so it has none: the model has met nobody who drives like this, and where it puts this driver says little"
     );
-    told_once(
-        "drive",
-        off.iter().map(|o| (o.drive.to_string(), why.clone())),
-    )
+    told_once("drive", off.iter().map(|o| (o.drive.to_string(), why.clone())))
 }
 
 #[cfg(test)]

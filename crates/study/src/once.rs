@@ -17,10 +17,7 @@ pub(crate) fn names<S: AsRef<str>>(of: &[S]) -> String {
 /// `a, b, …`: of more than `most` names the first.
 pub(crate) fn first_names(names: impl IntoIterator<Item = impl AsRef<str>>, most: usize) -> String {
     let mut names = names.into_iter();
-    let shown = names
-        .by_ref()
-        .take(most)
-        .map(|name| name.as_ref().to_owned());
+    let shown = names.by_ref().take(most).map(|name| name.as_ref().to_owned());
     let shown = shown.collect::<Vec<String>>().join(", ");
     shown + if names.next().is_some() { ", …" } else { "" }
 }
@@ -83,10 +80,7 @@ mod tests {
         let ids = ["a", "b", "c", "d", "e", "f", "g"];
         assert_eq!(names(&ids[..6]), "a, b, c, d, e, f");
         assert_eq!(names(&ids), "a, b, c, d, e, f and 1 other");
-        assert_eq!(
-            [first_names(ids, 2), first_names(&ids[..2], 2)],
-            ["a, b, …", "a, b"]
-        );
+        assert_eq!([first_names(ids, 2), first_names(&ids[..2], 2)], ["a, b, …", "a, b"]);
         assert_eq!(count(1, "person", "people"), "1 person");
         assert_eq!(count(0, "person", "people"), "0 people");
     }

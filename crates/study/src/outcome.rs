@@ -19,11 +19,7 @@ pub struct Outcome<T> {
 
 impl<T> Outcome<T> {
     pub(crate) fn new(value: T, summary: Vec<String>, warnings: Vec<String>) -> Self {
-        Self {
-            value,
-            summary,
-            warnings,
-        }
+        Self { value, summary, warnings }
     }
 
     /// The same of what `of` makes of the value.
@@ -44,9 +40,7 @@ pub struct Watch<'a> {
 
 impl std::fmt::Debug for Watch<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Watch")
-            .field("cancel", self.cancel)
-            .finish_non_exhaustive()
+        f.debug_struct("Watch").field("cancel", self.cancel).finish_non_exhaustive()
     }
 }
 
@@ -70,11 +64,7 @@ impl<'a> Watch<'a> {
     /// # Errors
     /// [`StudyError::Interrupted`] if the work should stop.
     pub fn check(&self) -> Result<(), StudyError> {
-        if self.cancel.load(Ordering::Relaxed) {
-            Err(StudyError::Interrupted)
-        } else {
-            Ok(())
-        }
+        if self.cancel.load(Ordering::Relaxed) { Err(StudyError::Interrupted) } else { Ok(()) }
     }
 }
 
@@ -108,9 +98,7 @@ pub(crate) fn threads(jobs: usize) -> Result<rayon::ThreadPool, StudyError> {
         let help = "leave out -j: then there are as many threads as cores";
         return Err(StudyError::not_possible(problem).with_help(help));
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(jobs)
-        .stack_size(STACK_BYTES);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).stack_size(STACK_BYTES);
     pool.build().map_err(|e| {
         StudyError::not_possible(format!("cannot start {jobs} threads: {e}"))
             .with_help("ask for fewer with -j")

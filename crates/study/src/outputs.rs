@@ -48,10 +48,7 @@ fn place(path: &Path) -> PathBuf {
         return there;
     }
     let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    match (
-        absolute.parent().map(Path::canonicalize),
-        absolute.file_name(),
-    ) {
+    match (absolute.parent().map(Path::canonicalize), absolute.file_name()) {
         (Some(Ok(folder)), Some(name)) => folder.join(name),
         _ => absolute,
     }
@@ -135,9 +132,7 @@ impl Kind {
             return Self::Unknown;
         }
         // `[` begins a table of TOML as well, with a letter or another `[` behind it.
-        let list = text
-            .strip_prefix('[')
-            .map(|rest| rest.trim_start().chars().next());
+        let list = text.strip_prefix('[').map(|rest| rest.trim_start().chars().next());
         let list =
             list.is_some_and(|c| c.is_none_or(|c| "{\"-]".contains(c) || c.is_ascii_digit()));
         if text.starts_with("<svg") || text.starts_with("<?xml") {
@@ -191,9 +186,7 @@ pub(crate) fn refuse_unusual(path: &Path) -> Result<(), StudyError> {
 pub(crate) fn refuse_other_kind(path: &Path, fresh: impl io::Read) -> Result<(), StudyError> {
     let former = match fs::File::open(path) {
         Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
-        opened => opened
-            .and_then(Kind::read)
-            .map_err(StudyError::read(path))?,
+        opened => opened.and_then(Kind::read).map_err(StudyError::read(path))?,
     };
     let new = Kind::read(fresh).map_err(StudyError::write(path))?;
     if former == new || former == Kind::Empty || new == Kind::Empty {
@@ -212,10 +205,8 @@ pub(crate) fn put_in_place(fresh: &Path, path: &Path) -> Result<(), StudyError> 
     refuse_unusual(path)?;
     let file = fs::File::open(fresh).map_err(StudyError::read(fresh))?;
     refuse_other_kind(path, file)?;
-    while_held(fresh, |fresh| {
-        fs::rename(fresh, path).map_err(|error| (error, fresh))
-    })
-    .map_err(StudyError::write(path))
+    while_held(fresh, |fresh| fs::rename(fresh, path).map_err(|error| (error, fresh)))
+        .map_err(StudyError::write(path))
 }
 
 #[cfg(test)]
@@ -286,18 +277,10 @@ mod tests {
         let _socket = std::os::unix::net::UnixListener::bind(at("socket")).unwrap();
         refused("socket", b"new", "a device or a pipe");
         fs::write(at("log"), b"\x89MCAP0\r\n and more").unwrap();
-        refused(
-            "log",
-            b"\x89PNG",
-            "is a recording (MCAP), and a picture (PNG)",
-        );
+        refused("log", b"\x89PNG", "is a recording (MCAP), and a picture (PNG)");
         assert!(fs::read(at("log")).unwrap().ends_with(b"more"));
         fs::write(at("table"), "a,b\n1,2\n").unwrap();
-        refused(
-            "log",
-            b"\x89MCAP0\r\ndriven_by\x09\0\0\0synthetic",
-            "made-up drive",
-        );
+        refused("log", b"\x89MCAP0\r\ndriven_by\x09\0\0\0synthetic", "made-up drive");
         refused("table", b"{\"a\": 1}", "is text, and JSON");
         atomic_write_bytes(&at("table"), b"a,b\n3,4\n").unwrap();
         assert_eq!(fs::read(at("table")).unwrap(), b"a,b\n3,4\n");

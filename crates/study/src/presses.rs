@@ -63,10 +63,7 @@ impl Presses {
         let mut presses: BTreeMap<(ParticipantId, String), Vec<f64>> = BTreeMap::new();
         for (event, attempt) in of_rides() {
             let ride = key(event);
-            if counts
-                .get(&ride)
-                .is_some_and(|(_, counted)| *counted == attempt)
-            {
+            if counts.get(&ride).is_some_and(|(_, counted)| *counted == attempt) {
                 let times = presses.entry(ride).or_default();
                 times.extend(event.time_s.filter(|_| event.what == PRESSED));
             }

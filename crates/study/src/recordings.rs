@@ -116,13 +116,9 @@ pub(crate) fn read(
             (r.drove.role, label != r.drove.role, label)
         };
         let who = a.drove.participant.cmp(&b.drove.participant);
-        who.then(key(a).cmp(&key(b)))
-            .then_with(|| a.drove.drive.cmp(&b.drove.drive))
+        who.then(key(a).cmp(&key(b))).then_with(|| a.drove.drive.cmp(&b.drove.drive))
     });
-    Ok(Recordings {
-        rows,
-        range: scores.scale(),
-    })
+    Ok(Recordings { rows, range: scores.scale() })
 }
 
 #[cfg(test)]
@@ -160,9 +156,7 @@ score = 15
             ..LatentTraits::default()
         };
         let person = DriverParams::draw(&traits, who as u64, seed);
-        rollout(&scenario, Driver::Human(&person), seed)
-            .unwrap()
-            .recording
+        rollout(&scenario, Driver::Human(&person), seed).unwrap().recording
     }
 
     fn drive(who: usize, role: &str, aggressiveness: f64, seed: u64) -> Drive {

@@ -100,9 +100,7 @@ pub fn read_model(path: &Path) -> Result<Model, StudyError> {
     }
     let bytes = std::fs::read(path).map_err(StudyError::read(path))?;
     model_file::from_bytes(&bytes).map_err(|e| {
-        let help = e
-            .suggestion()
-            .unwrap_or("train a model with `maveric train`");
+        let help = e.suggestion().unwrap_or("train a model with `maveric train`");
         StudyError::file(path, e.to_string()).with_help(help)
     })
 }
@@ -148,9 +146,7 @@ pub(crate) fn read_effects_on(path: &Path, scales: &[Scale]) -> Result<Effects, 
 pub(crate) fn effects_of(path: &Path, text: &str) -> Result<Effects, StudyError> {
     let effects: Effects = toml::from_str(text)
         .map_err(|e| StudyError::file(path, format!("not a file of effects: {e}")))?;
-    effects
-        .check()
-        .map_err(|e| StudyError::file(path, e.to_string()))?;
+    effects.check().map_err(|e| StudyError::file(path, e.to_string()))?;
     Ok(effects)
 }
 
@@ -220,10 +216,7 @@ pub(crate) fn read_study(
             })
             .collect(),
         measurements: measured,
-        own: own.map_or_else(
-            || Ok(Vec::new()),
-            |own| if_there(&own, read_own_measurements),
-        )?,
+        own: own.map_or_else(|| Ok(Vec::new()), |own| if_there(&own, read_own_measurements))?,
         embeddings: read_made(&folder.join("embeddings.csv"), learned, read_embeddings)?,
         conditions: read_made(&folder.join("conditions.csv"), learned, read_conditions)?,
         pre: if_there(&folder.join("scores.csv"), read_scores)?,
@@ -252,21 +245,12 @@ pub(crate) fn study_files(
 ) -> Files {
     let design = &study.design;
     let measurements = folder.join(MEASUREMENTS);
-    let tables = [
-        "embeddings.csv",
-        "conditions.csv",
-        "scores.csv",
-        "rating_scores.csv",
-        "drives",
-        "av",
-    ];
+    let tables =
+        ["embeddings.csv", "conditions.csv", "scores.csv", "rating_scores.csv", "drives", "av"];
     let mut files = files
         .reads([study.resolve(&design.files().scales)])
         .reads_if_there(own_means(&measurements, design))
-        .reads_if_there([
-            presses_path(&measurements),
-            press_moments_path(&measurements),
-        ])
+        .reads_if_there([presses_path(&measurements), press_moments_path(&measurements)])
         .reads_if_there([measurements])
         .reads_if_there(tables.map(|name| folder.join(name)));
     files = match participants {
@@ -301,11 +285,7 @@ fn read_made<T: Default>(
     is_made: bool,
     read: fn(&Path) -> Result<T, StudyError>,
 ) -> Result<T, StudyError> {
-    if is_made {
-        read(path)
-    } else {
-        if_there(path, read)
-    }
+    if is_made { read(path) } else { if_there(path, read) }
 }
 
 /// Single answers, where they are read: those among the results, and the design's own table of them.
@@ -340,11 +320,7 @@ fn of_stopped(
         let mut theirs = stopped.iter().filter(|s| s.participant == *who);
         theirs.any(|s| s.ride() == ride)
     };
-    let about = |a: &&Answer| {
-        a.moment
-            .ride()
-            .is_some_and(|ride| was_stopped(&a.participant, ride))
-    };
+    let about = |a: &&Answer| a.moment.ride().is_some_and(|ride| was_stopped(&a.participant, ride));
     let answers: Vec<Answer> = answered.answers.iter().filter(about).cloned().collect();
     let during = |p: &&ProbeAnswer| was_stopped(&p.participant, p.ride);
     let probes: Vec<ProbeAnswer> = answered.probes.iter().filter(during).cloned().collect();
@@ -430,17 +406,8 @@ mod tests {
             ),
         );
         write("scales/adb.toml", maveric_data::SCALES_ADB);
-        write(
-            "participants.csv",
-            "participant,part\nP01,test\nP02,test\nP03,test\n",
-        );
-        let about = [
-            "drive",
-            "participant",
-            "condition",
-            "driven_by",
-            "counted_s",
-        ];
+        write("participants.csv", "participant,part\nP01,test\nP02,test\nP03,test\n");
+        let about = ["drive", "participant", "condition", "driven_by", "counted_s"];
         let entry = TableName::Measurements.entry();
         let measures = entry.always().filter(|name| !about.contains(name));
         let values: BTreeMap<String, Option<f64>> =
@@ -480,9 +447,7 @@ mod tests {
             };
             let (root, results) = (Path::new(""), Path::new("results"));
             let files = study_files(Files::default(), root, results, &study, None);
-            files
-                .if_there
-                .contains(&results.join("measurements_own.csv"))
+            files.if_there.contains(&results.join("measurements_own.csv"))
         };
         assert!(reads_means("[[measure]]\nid = \"tor_s\"\nunit = \"s\"\n"));
         assert!(!reads_means(""));

@@ -62,16 +62,14 @@ pub struct Files {
 impl Files {
     #[must_use]
     pub fn reads(mut self, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
-        self.inputs
-            .extend(paths.into_iter().map(|p| p.as_ref().to_owned()));
+        self.inputs.extend(paths.into_iter().map(|p| p.as_ref().to_owned()));
         self
     }
 
     /// With inputs that need not be there.
     #[must_use]
     pub fn reads_if_there(mut self, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
-        self.if_there
-            .extend(paths.into_iter().map(|p| p.as_ref().to_owned()));
+        self.if_there.extend(paths.into_iter().map(|p| p.as_ref().to_owned()));
         self
     }
 
@@ -112,16 +110,14 @@ impl Files {
 
     #[must_use]
     pub fn writes(mut self, paths: impl IntoIterator<Item = impl AsRef<Path>>) -> Self {
-        self.outputs
-            .extend(paths.into_iter().map(|p| p.as_ref().to_owned()));
+        self.outputs.extend(paths.into_iter().map(|p| p.as_ref().to_owned()));
         self
     }
 
     /// With a folder as an output, and the files in it that no input may be.
     #[must_use]
     pub fn writes_into(mut self, folder: &Path, names: &[&str]) -> Self {
-        self.written
-            .extend(names.iter().map(|name| folder.join(name)));
+        self.written.extend(names.iter().map(|name| folder.join(name)));
         self.outputs.push(folder.to_owned());
         self
     }

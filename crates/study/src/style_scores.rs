@@ -58,10 +58,7 @@ impl StyleScores {
             return Ok(Self { range: None, rows });
         };
         let Some((style, range)) = study.design.style().zip(style_range(study)?) else {
-            return Ok(Self {
-                range: None,
-                rows: Vec::new(),
-            });
+            return Ok(Self { range: None, rows: Vec::new() });
         };
         let name = &style.score;
         rows.retain(|s| s.scale == name.scale && s.subscale == name.subscale);
@@ -162,12 +159,9 @@ mod tests {
         assert_eq!(score, ScoreRange::ADB.score(30.0).ok());
         let error = of(60.0).unwrap_err();
         let said = error.to_string();
-        for part in [
-            meta.participant.as_str(),
-            meta.drive.as_str(),
-            "calm",
-            "60, expected 11 to 55",
-        ] {
+        for part in
+            [meta.participant.as_str(), meta.drive.as_str(), "calm", "60, expected 11 to 55"]
+        {
             assert!(said.contains(part), "{part}: {said}");
         }
         assert_eq!(error.suggestion().as_deref(), Some(CHECK_SCORE));

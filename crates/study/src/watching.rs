@@ -84,10 +84,9 @@ fn interventions(decisions: &[Decision], end_s: f64) -> Vec<InterventionSpan> {
     let mut out: Vec<InterventionSpan> = Vec::new();
     for decision in decisions {
         match decision.kind {
-            DecisionKind::SafetyBrakes => out.push(InterventionSpan {
-                start_s: decision.time_s,
-                end_s,
-            }),
+            DecisionKind::SafetyBrakes => {
+                out.push(InterventionSpan { start_s: decision.time_s, end_s })
+            }
             DecisionKind::SafetyReleases => {
                 if let Some(last) = out.last_mut() {
                     last.end_s = decision.time_s;
@@ -106,10 +105,9 @@ pub fn braking(trace: &[TraceRow]) -> Vec<InterventionSpan> {
     for row in trace {
         match out.last_mut() {
             Some(last) if before => last.end_s = row.time_s,
-            _ if row.braked => out.push(InterventionSpan {
-                start_s: row.time_s,
-                end_s: row.time_s,
-            }),
+            _ if row.braked => {
+                out.push(InterventionSpan { start_s: row.time_s, end_s: row.time_s })
+            }
             _ => {}
         }
         before = row.braked;
@@ -120,9 +118,7 @@ pub fn braking(trace: &[TraceRow]) -> Vec<InterventionSpan> {
 /// The player of some drives, in the order given. Where they are several participants', the rows say whose each is.
 pub fn watch_player(drives: Vec<WatchedDrive>) -> WatchPlayer {
     let first = drives.first().map(|d| d.meta.participant.clone());
-    let one = drives
-        .iter()
-        .all(|d| Some(&d.meta.participant) == first.as_ref());
+    let one = drives.iter().all(|d| Some(&d.meta.participant) == first.as_ref());
     let mut labels = std::collections::BTreeSet::new();
     let twice = drives.iter().any(|d| !labels.insert(d.drive.label.clone()));
     WatchPlayer {
@@ -156,9 +152,7 @@ pub fn write_watch_page(
     provenance: &[(String, String)],
 ) -> Result<(), StudyError> {
     let context = Context {
-        synthetic: drives
-            .iter()
-            .any(|d| d.meta.driven_by == DrivenBy::Synthetic),
+        synthetic: drives.iter().any(|d| d.meta.driven_by == DrivenBy::Synthetic),
         seed,
         ..Context::real()
     };

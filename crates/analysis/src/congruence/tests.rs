@@ -31,10 +31,7 @@ fn verdict(analysis: &Analysis) -> Option<Verdict> {
 fn people_who_like_best_what_is_near_their_own_style_are_found_and_others_are_not() {
     let near = analysed(liked(24, |_| 1.0, 0.01));
     let model = row(&near).model.as_ref().unwrap();
-    assert_eq!(
-        (model.bend, model.n_subjects, row(&near).n),
-        (Bend::Top, 24, 24)
-    );
+    assert_eq!((model.bend, model.n_subjects, row(&near).n), (Bend::Top, 24, 24));
     assert!((model.turn.estimate.unwrap() - 1.0).abs() < 1.0);
     assert!((row(&near).near_points - 5.0).abs() < 1e-12);
     assert_eq!(verdict(&near), Some(Shown));
@@ -42,17 +39,9 @@ fn people_who_like_best_what_is_near_their_own_style_are_found_and_others_are_no
     assert_eq!(verdict(&analysed(liked(24, |_| 10.0, 0.01))), Some(Fails));
     // Everybody wants the same car, wherever their own style lies.
     let one_car = analysed(liked(24, |own| 30.0 - own, 0.01));
-    let parts = &finding::by_question(&one_car.findings, Question::Congruence)
-        .unwrap()
-        .parts;
+    let parts = &finding::by_question(&one_car.findings, Question::Congruence).unwrap().parts;
     let of: Vec<(&str, Verdict)> = parts.iter().map(|p| (p.of.as_str(), p.verdict)).collect();
-    assert_eq!(
-        of,
-        [
-            ("jian_trust.overall.top", Shown),
-            ("jian_trust.overall.movement", Fails)
-        ]
-    );
+    assert_eq!(of, [("jian_trust.overall.top", Shown), ("jian_trust.overall.movement", Fails)]);
     assert_eq!(verdict(&analysed(liked(24, |_| 0.0, 0.0))), Some(NotShown));
 }
 
@@ -64,10 +53,7 @@ fn what_is_liked_least_near_ones_own_style_fails_and_has_no_top() {
     assert!(finding.parts.iter().all(|part| part.estimate.is_none()));
     let flat = analysed(liked(24, |_| 0.0, 0.0));
     let region = row(&flat).model.as_ref().unwrap().turn.region;
-    assert!(
-        !matches!(region, Some(Region::Between { .. })),
-        "{region:?}"
-    );
+    assert!(!matches!(region, Some(Region::Between { .. })), "{region:?}");
 }
 
 #[test]
@@ -79,10 +65,7 @@ fn fewer_than_six_people_or_three_places_are_not_judged() {
     assert_eq!(verdict(&two), None);
     // Without a style nobody's distance is known.
     let mut unknown = liked(24, |_| 1.0, 0.01);
-    unknown
-        .conditions
-        .iter_mut()
-        .for_each(|row| row.adb_hat = None);
+    unknown.conditions.iter_mut().for_each(|row| row.adb_hat = None);
     let unknown = analysed(unknown);
     assert_eq!((row(&unknown).n, row(&unknown).model.is_some()), (0, false));
     assert!(row(&unknown).why_not.is_some() && row(&unknown).curves.is_empty());
@@ -144,9 +127,7 @@ fn rated(mut tables: Tables, felt: impl Fn(f64) -> f64) -> Tables {
 }
 
 fn by_what_was_perceived(analysis: &Analysis) -> &CongruenceRow {
-    let [driven, row] = &analysis.congruence[..] else {
-        panic!("{:?}", analysis.congruence)
-    };
+    let [driven, row] = &analysis.congruence[..] else { panic!("{:?}", analysis.congruence) };
     assert!(driven.perceived.is_none() && row.perceived.is_some());
     // It is not drawn.
     let surface = |row: &CongruenceRow| row.model.as_ref().map_or(0, |m| m.surface.len());
@@ -239,9 +220,7 @@ fn a_score_that_compares_the_car_with_oneself_is_a_distance_of_its_own() {
     // The style's own score goes before.
     let own = rated(liked(24, |_| 1.0, 0.01), |moved| moved).post;
     let mut with_own = tables.clone();
-    with_own
-        .post
-        .extend(own.into_iter().filter(|s| s.scale == "adb"));
+    with_own.post.extend(own.into_iter().filter(|s| s.scale == "adb"));
     let with_own = analysed_by(&design, with_own);
     assert_eq!(same(by_what_was_perceived(&with_own)), None);
     // What is not expected to turn on the dial, or compares with nothing though it was asked before and after, says nothing of style; nor
@@ -338,9 +317,7 @@ fn curves_are_those_of_the_model_over_what_was_met_and_as_the_rating_is_keyed() 
     assert_eq!(sds, [-1, 0, 1]);
     assert_eq!(near.curves.iter().map(|curve| curve.n).sum::<usize>(), 24);
     let top = |curve: &CongruenceCurve| -curve.rating[1] / (2.0 * curve.rating[2]);
-    let [low, mean, high] = &near.curves[..] else {
-        panic!("{:?}", near.curves)
-    };
+    let [low, mean, high] = &near.curves[..] else { panic!("{:?}", near.curves) };
     assert!((top(mean) - model.turn.estimate.unwrap()).abs() < 1e-9);
     let movement = model.movement.estimate.unwrap();
     assert!((top(high) - top(low) - movement).abs() < 1e-9);

@@ -17,12 +17,8 @@ impl StudyData {
         name: &ScoreName,
     ) -> Option<f64> {
         let score_at = |moment: Moment| {
-            let moment = moment.on(Occasion {
-                session,
-                trial: FIRST,
-            });
-            self.post
-                .get(participant, moment, &name.scale, &name.subscale)
+            let moment = moment.on(Occasion { session, trial: FIRST });
+            self.post.get(participant, moment, &name.scale, &name.subscale)
         };
         score_at(Moment::after(condition)).or_else(|| score_at(Moment::probe(condition)))
     }
@@ -40,8 +36,7 @@ impl StudyData {
         participant: &ParticipantId,
         name: &ScoreName,
     ) -> Option<f64> {
-        self.pre
-            .get(participant, moment, &name.scale, &name.subscale)
+        self.pre.get(participant, moment, &name.scale, &name.subscale)
     }
 
     /// A questionnaire score about a condition: from after the ride, or the mean of what was asked during it; of several rides of the first

@@ -48,10 +48,7 @@ impl Cell {
         }
         let counted: Vec<f64> = rides.values().filter_map(|ride| ride.counted_s).collect();
         Self {
-            values: values
-                .into_iter()
-                .map(|(measure, values)| (measure, mean(&values)))
-                .collect(),
+            values: values.into_iter().map(|(measure, values)| (measure, mean(&values))).collect(),
             counted_s: mean(&counted),
             rides: rides.keys().copied().collect(),
         }
@@ -70,10 +67,7 @@ impl Scores {
             if let Some(value) = score.value {
                 let ride = score.moment.ride().map(|ride| ride.occasion);
                 let Occasion { session, trial } = ride.unwrap_or_default();
-                let moment = score.moment.on(Occasion {
-                    session,
-                    trial: FIRST,
-                });
+                let moment = score.moment.on(Occasion { session, trial: FIRST });
                 sorted
                     .0
                     .entry(score.scale.clone())
@@ -130,9 +124,7 @@ pub(super) fn cells(
         }
     }
     let cells = rides.into_iter().map(|(sat, people)| {
-        let cells = people
-            .into_iter()
-            .map(|(who, rides)| (who, Cell::from_rides(&rides)));
+        let cells = people.into_iter().map(|(who, rides)| (who, Cell::from_rides(&rides)));
         (sat, cells.collect())
     });
     cells.collect()
@@ -165,10 +157,7 @@ pub(super) fn own_measures(
 pub(super) fn subscales(scores: &[Score]) -> Vec<ScoreName> {
     let mut names: Vec<ScoreName> = Vec::new();
     for score in scores {
-        let name = ScoreName {
-            scale: score.scale.clone(),
-            subscale: score.subscale.clone(),
-        };
+        let name = ScoreName { scale: score.scale.clone(), subscale: score.subscale.clone() };
         if !names.contains(&name) {
             names.push(name);
         }

@@ -68,11 +68,8 @@ impl Who {
                 duration_s: tables.durations_s.get(&d.meta.drive).copied(),
             })
             .collect();
-        let judged: Vec<Driven> = driven
-            .iter()
-            .cloned()
-            .chain(tables.kept_out.iter().cloned())
-            .collect();
+        let judged: Vec<Driven> =
+            driven.iter().cloned().chain(tables.kept_out.iter().cloned()).collect();
         let in_study = |c| design.baseline_id() == Some(c) || design.condition(c).is_some();
         let tested = |p: &ParticipantId| {
             tables.people.is_empty() || tables.people.iter().any(|q| q.id == *p && q.tested)
@@ -110,15 +107,8 @@ impl Who {
             &tables.people,
             &there,
             &left_out,
-            (
-                &tables.not_admitted,
-                versions(&tables.consents, &tables.not_agreed),
-            ),
+            (&tables.not_admitted, versions(&tables.consents, &tables.not_agreed)),
         );
-        Self {
-            there,
-            left_out,
-            flow,
-        }
+        Self { there, left_out, flow }
     }
 }

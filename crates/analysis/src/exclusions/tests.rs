@@ -56,11 +56,8 @@ fn a_stopped_ride_is_left_out_with_what_was_said_of_it_and_named_with_its_condit
         time_s: 34.0,
         reason: reason.to_owned(),
     };
-    let stopped = [
-        stop("P1", "a", "misc >= 6"),
-        stop("P2", "a", "misc >= 6"),
-        stop("P3", "b", "unwell"),
-    ];
+    let stopped =
+        [stop("P1", "a", "misc >= 6"), stop("P2", "a", "misc >= 6"), stop("P3", "b", "unwell")];
     let left_out = LeftOut::named(&design).with_stopped(&stopped);
     let long = "P".repeat(63);
     let too_long = LeftOut::default().with_stopped(&[stop(&long, "a", "unwell")]);
@@ -74,18 +71,9 @@ fn a_stopped_ride_is_left_out_with_what_was_said_of_it_and_named_with_its_condit
         &left_out,
         (&[], Vec::new()),
     );
-    let rows: Vec<(&str, usize)> = flow
-        .drives
-        .iter()
-        .map(|row| (row.why.as_str(), row.who.len()))
-        .collect();
-    assert_eq!(
-        rows,
-        [
-            ("`a` was stopped: misc >= 6", 2),
-            ("`b` was stopped: unwell", 1)
-        ]
-    );
+    let rows: Vec<(&str, usize)> =
+        flow.drives.iter().map(|row| (row.why.as_str(), row.who.len())).collect();
+    assert_eq!(rows, [("`a` was stopped: misc >= 6", 2), ("`b` was stopped: unwell", 1)]);
     assert!(flow.drives.iter().all(|row| row.rule == Rule::Stopped));
 }
 
@@ -119,10 +107,7 @@ fn what_the_experimenter_did_is_said_as_it_was_done_and_all_of_a_person_is_one_l
         let row = |row: &crate::LeftOutFor| format!("{}: {}", row.who.join(" "), row.why);
         rows.iter().map(row).collect()
     };
-    assert_eq!(
-        rows(&flow.left_out),
-        ["P1: by the experimenter: wrong glasses"]
-    );
+    assert_eq!(rows(&flow.left_out), ["P1: by the experimenter: wrong glasses"]);
     assert_eq!((flow.recruited, flow.drove, flow.analysed), (4, 4, 3));
     // P4 is not among those who were to be tested: what they drove is told by its name.
     assert_eq!(
@@ -157,23 +142,16 @@ fn of_several_rides_each_is_judged_alone_and_one_too_many_is_named_with_what_was
         driven(rides[3], 400.0),
     ];
     let came = || drives.iter().map(|d| (&d.participant, d.ride));
-    let left_out = LeftOut::named(&design)
-        .with_short(&design, &drives)
-        .with_few_conditions(&design, came());
-    assert_eq!(
-        rides.map(|ride| left_out.keeps(&who, ride)),
-        [false, true, false, true]
-    );
+    let left_out =
+        LeftOut::named(&design).with_short(&design, &drives).with_few_conditions(&design, came());
+    assert_eq!(rides.map(|ride| left_out.keeps(&who, ride)), [false, true, false, true]);
     assert!(left_out.keeps_person(&who));
     let why = |text: &str| unknown_ride(&design, ride(text));
     for known in ["a", "a:s2:t2", "own", "own:s2:t1"] {
         assert_eq!(why(known), None, "{known}");
     }
     for (unknown, words) in [
-        (
-            "a:s1:t3",
-            "session 1, trial 3 of `a`, expected sessions up to 2 and trials up to 2",
-        ),
+        ("a:s1:t3", "session 1, trial 3 of `a`, expected sessions up to 2 and trials up to 2"),
         ("a:s3:t1", "session 3, trial 1"),
         ("own:s1:t2", "trials up to 1"),
     ] {
@@ -209,12 +187,7 @@ fn a_rule_leaves_out_what_lies_below_it_and_nothing_at_it() {
     let people: Vec<&str> = left_out.people.keys().map(ParticipantId::as_str).collect();
     // One short drive leaves P2 with one condition; P3 sat through none, which is for others to judge.
     assert_eq!(people, ["P2", "P4"]);
-    assert!(
-        left_out
-            .people
-            .values()
-            .all(|why| why.rule == Rule::FewConditions)
-    );
+    assert!(left_out.people.values().all(|why| why.rule == Rule::FewConditions));
     let short: Vec<&str> = left_out.drives.keys().map(DriveId::as_str).collect();
     assert_eq!(short, ["P2-a", "P4-b"]);
     let who = |text: &str| ParticipantId::new(text).unwrap();

@@ -18,10 +18,7 @@ pub(super) fn own_style(rows: &[Reproduction]) -> Option<Finding> {
             estimate: bias.map(|bias| bias.mean),
             interval: bias.and_then(|bias| bias.interval),
             p: bias.and_then(|bias| bias.p_equivalent),
-            rule: Rule::Same {
-                low: -within,
-                high: within,
-            },
+            rule: Rule::Same { low: -within, high: within },
             verdict: bias.map_or(Verdict::NotAsked, |bias| bias.verdict),
         }
     };
@@ -62,18 +59,14 @@ mod tests {
                     "slow" => -others + wobble,
                     _ => others + wobble * (1.0 + i as f64 / 20.0),
                 };
-                tables
-                    .measurements
-                    .push(drive(i, condition, Some(own + faster)));
+                tables.measurements.push(drive(i, condition, Some(own + faster)));
             }
         }
         analysed(tables)
     }
 
     fn of(analysis: &crate::Analysis, question: Question) -> Finding {
-        finding::by_question(&analysis.findings, question)
-            .unwrap()
-            .clone()
+        finding::by_question(&analysis.findings, question).unwrap().clone()
     }
 
     #[test]
@@ -83,9 +76,7 @@ mod tests {
         assert_eq!([own(0.0).verdict, own(2.0).verdict], [Shown, Fails]);
         // What counts as none is half a standard deviation of 12 people half a metre a second apart.
         let border = own(0.0).parts[0].rule;
-        let Rule::Same { high, low } = border else {
-            panic!("{border:?}")
-        };
+        let Rule::Same { high, low } = border else { panic!("{border:?}") };
         let at_the_border = own(high / 3.6);
         assert_eq!((low, at_the_border.verdict), (-high, NotShown));
         assert_eq!(at_the_border.parts[0].of, SPEED);
@@ -94,22 +85,14 @@ mod tests {
     #[test]
     fn the_nearer_car_is_shown_the_farther_one_fails_and_as_near_is_neither() {
         let near = |same: f64, others: f64| {
-            of(
-                &driven(|i| same + 0.01 * i as f64, others),
-                Question::Nearer,
-            )
+            of(&driven(|i| same + 0.01 * i as f64, others), Question::Nearer)
         };
         assert_eq!(near(0.3, 3.0).verdict, Shown);
         assert_eq!(near(3.0, 0.3).verdict, Fails);
         let nearer = near(0.3, 3.0);
         let parts: Vec<&str> = nearer.parts.iter().map(|p| p.of.as_str()).collect();
         assert_eq!(parts, [format!("{SPEED}.fast"), format!("{SPEED}.slow")]);
-        assert!(
-            nearer
-                .parts
-                .iter()
-                .all(|p| p.n == 12 && p.estimate == Some(1.0))
-        );
+        assert!(nearer.parts.iter().all(|p| p.n == 12 && p.estimate == Some(1.0)));
         assert_eq!(
             driven(|i| if i.is_multiple_of(2) { 2.0 } else { 4.0 }, 3.0).findings[1].verdict,
             NotShown
@@ -134,17 +117,8 @@ mod tests {
         };
         let judged = |rows: &[Nearer]| nearer(rows).unwrap().verdict;
         assert_eq!(judged(&[row(0.5, 0.03, 0.06)]), NotShown);
-        assert_eq!(
-            judged(&[row(0.5, 0.01, 0.02), row(-0.5, 0.01, 0.02)]),
-            Fails
-        );
-        assert_eq!(
-            judged(&[Nearer {
-                n: 5,
-                ..row(0.5, 0.01, 0.02)
-            }]),
-            TooFew
-        );
+        assert_eq!(judged(&[row(0.5, 0.01, 0.02), row(-0.5, 0.01, 0.02)]), Fails);
+        assert_eq!(judged(&[Nearer { n: 5, ..row(0.5, 0.01, 0.02) }]), TooFew);
         assert_eq!(nearer(&[]), None);
         let mut unknown = analysed(tables()).reproduction;
         unknown[0].bias = None;

@@ -55,13 +55,9 @@ mod tests {
         for i in 0..8 {
             let own = 24.0 + i as f64;
             let wobble = 0.3 * (i as f64 - 3.5);
-            for (condition, above) in [
-                ("own", 0.0),
-                ("same", 0.1),
-                ("fast", faster),
-                ("slow", -faster),
-                ("across", 0.2),
-            ] {
+            for (condition, above) in
+                [("own", 0.0), ("same", 0.1), ("fast", faster), ("slow", -faster), ("across", 0.2)]
+            {
                 let speed = own
                     + above
                     + wobble * above.signum() * if condition == "fast" { 1.0 } else { 0.7 };
@@ -75,9 +71,7 @@ mod tests {
     fn a_dial_that_does_as_it_says_is_shown_and_one_that_is_wired_the_wrong_way_fails() {
         let dial = |faster| {
             let analysis = driven(DESIGN, faster);
-            finding::by_question(&analysis.findings, Question::Dial)
-                .unwrap()
-                .clone()
+            finding::by_question(&analysis.findings, Question::Dial).unwrap().clone()
         };
         let (right, wrong) = (dial(4.0), dial(-4.0));
         assert_eq!([right.verdict, wrong.verdict], [Shown, Fails]);
@@ -95,11 +89,7 @@ mod tests {
         for panel in &mut panels {
             panel.n = 24;
             for contrast in &mut panel.contrasts {
-                contrast.expected = Some(if panel.measured {
-                    Sign::Plus
-                } else {
-                    Sign::Minus
-                });
+                contrast.expected = Some(if panel.measured { Sign::Plus } else { Sign::Minus });
                 (contrast.mean_difference, contrast.p_holm) = (Some(1.0), Some(0.01));
             }
         }
@@ -107,11 +97,8 @@ mod tests {
         assert_eq!(judged(&panels, Question::Dial), Some(Shown));
         assert_eq!(judged(&panels, Question::Noticed), Some(Fails));
         // The panels of groups are a family of their own and decide nothing.
-        let group = Group {
-            factor: "city".to_owned(),
-            label: String::new(),
-            level: "Kyiv".to_owned(),
-        };
+        let group =
+            Group { factor: "city".to_owned(), label: String::new(), level: "Kyiv".to_owned() };
         for panel in panels.iter_mut().filter(|p| !p.measured) {
             panel.group = Some(group.clone());
         }

@@ -30,10 +30,7 @@ fn parts(row: &CongruenceRow) -> [Part; 2] {
                 Region::Outside { .. } | Region::Everywhere => None,
             }),
             p: sides.map(|(lower, upper)| lower.max(upper)),
-            rule: Rule::Same {
-                low: -row.near_points,
-                high: row.near_points,
-            },
+            rule: Rule::Same { low: -row.near_points, high: row.near_points },
             verdict: one_sided(row.n, sides),
         }
     };

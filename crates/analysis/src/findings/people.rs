@@ -87,36 +87,22 @@ mod tests {
             let mut tables = tables();
             tables.post.clear();
             for i in 0..6 {
-                for (condition, value) in [
-                    ("same", same),
-                    ("fast", fast),
-                    ("slow", 2.0),
-                    ("across", 2.0),
-                ] {
+                for (condition, value) in
+                    [("same", same), ("fast", fast), ("slow", 2.0), ("across", 2.0)]
+                {
                     let after = Moment::After(condition.parse().unwrap());
                     let wobble = 0.01 * i as f64;
-                    tables
-                        .post
-                        .push(score(i, after, "jian_trust", "overall", value + wobble));
+                    tables.post.push(score(i, after, "jian_trust", "overall", value + wobble));
                 }
             }
             let analysis = analysed(tables);
-            finding::by_question(&analysis.findings, Question::Preferred)
-                .unwrap()
-                .clone()
+            finding::by_question(&analysis.findings, Question::Preferred).unwrap().clone()
         };
         let parts = |found: Finding| {
-            found
-                .parts
-                .iter()
-                .map(|p| (p.of.clone(), p.estimate.unwrap()))
-                .collect::<Vec<_>>()
+            found.parts.iter().map(|p| (p.of.clone(), p.estimate.unwrap())).collect::<Vec<_>>()
         };
         assert_eq!(rated(5.0, 3.0).verdict, Shown);
-        assert_eq!(
-            parts(rated(3.0, 5.0))[0],
-            ("jian_trust.overall.fast".to_owned(), 1.0)
-        );
+        assert_eq!(parts(rated(3.0, 5.0))[0], ("jian_trust.overall.fast".to_owned(), 1.0));
         assert_eq!(rated(3.0, 5.0).verdict, Fails);
     }
 
@@ -125,12 +111,7 @@ mod tests {
         let rows = analysed(tables()).homophily;
         let judged = |p: f64, p_holm: Option<f64>, n: usize| {
             let mut row = rows[0].clone();
-            row.correlation = Correlation {
-                n,
-                r: Some(-0.6),
-                p: Some(p),
-                ..row.correlation
-            };
+            row.correlation = Correlation { n, r: Some(-0.6), p: Some(p), ..row.correlation };
             row.p_holm = p_holm;
             personality(&[row]).map(|f| f.verdict)
         };

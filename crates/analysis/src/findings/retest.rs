@@ -19,12 +19,7 @@ pub(super) fn retest(design: &Design, repeats: Option<&Repeats>) -> Option<Findi
         let icc = row.icc.as_ref()?;
         let interval = icc.ci.ends();
         let estimate = (icc.icc, interval);
-        Some(Part::within(
-            &row.outcome,
-            row.n,
-            estimate,
-            (POOR, f64::INFINITY),
-        ))
+        Some(Part::within(&row.outcome, row.n, estimate, (POOR, f64::INFINITY)))
     };
     let parts: Vec<Part> = by_hand.filter_map(part).collect();
     (!parts.is_empty()).then(|| Finding::every(Question::Retest, parts))

@@ -20,15 +20,9 @@ fn parts(by_choice: &Sensitivity) -> impl Iterator<Item = Part> + '_ {
     };
     let [_, n] = by_choice.n;
     let key = move |row: &SensitivityRow| {
-        format!(
-            "{}.{}-{}.{choice}",
-            by_choice.outcome, row.first, row.second
-        )
+        format!("{}.{}-{}.{choice}", by_choice.outcome, row.first, row.second)
     };
-    let differing = by_choice
-        .rows
-        .iter()
-        .filter(|row| row.differs == Verdict::Shown);
+    let differing = by_choice.rows.iter().filter(|row| row.differs == Verdict::Shown);
     differing.filter_map(move |row| {
         let way = Sign::of(row.mean_difference?)?;
         let other = (row.other_mean_difference, row.other_p);
@@ -62,9 +56,7 @@ mod tests {
             let (subscale, more) = more;
             for (condition, value) in [("slow", 4.0), ("fast", 4.0 + more)] {
                 let after = Moment::After(id(condition).into());
-                tables
-                    .post
-                    .push(score(i, after, "jian_trust", subscale, value));
+                tables.post.push(score(i, after, "jian_trust", subscale, value));
             }
         }
         tables
@@ -99,17 +91,12 @@ mod tests {
         let [by_choice] = analysis.sensitivity.as_slice() else {
             panic!("{:?}", analysis.sensitivity);
         };
-        assert_eq!(
-            (by_choice.outcome.as_str(), by_choice.n),
-            ("jian_trust.overall", [6, 6])
-        );
+        assert_eq!((by_choice.outcome.as_str(), by_choice.n), ("jian_trust.overall", [6, 6]));
         let row = &by_choice.rows[0];
         assert_eq!((row.first.as_str(), row.second.as_str()), ("fast", "slow"));
         near(row.mean_difference, 2.0);
         near(row.other_mean_difference, 1.0);
-        let part = &by_question(&analysis.findings, Question::Stays)
-            .unwrap()
-            .parts[0];
+        let part = &by_question(&analysis.findings, Question::Stays).unwrap().parts[0];
         assert_eq!(part.of, "jian_trust.overall.fast-slow.without-items");
         near(part.estimate, 1.0);
     }
@@ -127,10 +114,7 @@ mod tests {
 
     #[test]
     fn what_was_said_of_stopped_rides_counts_by_the_other_choice_alone() {
-        let design = plain(
-            &["fast", "slow"],
-            "[[outcome]]\nscale = \"jian_trust.overall\"\n",
-        );
+        let design = plain(&["fast", "slow"], "[[outcome]]\nscale = \"jian_trust.overall\"\n");
         let judged = |of_stopped: f64| {
             let mut tables = rated(WITH, WITH);
             let who = crate::testing::person(0);
@@ -161,28 +145,17 @@ mod tests {
         // Of the five who did not stop nothing is said; with the sixth there is a difference.
         assert_eq!(by_choice.only_there(), 1);
         assert!(by_question(&analysis.findings, Question::Stays).is_none());
-        assert!(
-            analysed_by(&design, rated(WITH, WITH))
-                .sensitivity
-                .is_empty()
-        );
-        near(
-            judged(-60.0).sensitivity[0].rows[0].other_mean_difference,
-            (10.0 - 64.0) / 6.0,
-        );
+        assert!(analysed_by(&design, rated(WITH, WITH)).sensitivity.is_empty());
+        near(judged(-60.0).sensitivity[0].rows[0].other_mean_difference, (10.0 - 64.0) / 6.0);
     }
 
     #[test]
     fn without_the_items_too_few_may_have_a_score() {
         let mut few = rated(WITH, WITH);
-        few.post
-            .retain(|s| s.subscale == "overall" || s.participant != crate::testing::person(0));
+        few.post.retain(|s| s.subscale == "overall" || s.participant != crate::testing::person(0));
         let analysis = analysed_by(&plain(&["fast", "slow"], OUTCOME), few);
         let finding = by_question(&analysis.findings, Question::Stays).unwrap();
-        assert_eq!(
-            (finding.verdict, analysis.sensitivity[0].n),
-            (TooFew, [6, 5])
-        );
+        assert_eq!((finding.verdict, analysis.sensitivity[0].n), (TooFew, [6, 5]));
         assert_eq!(significant(5, Some(0.01)), TooFew);
     }
 }

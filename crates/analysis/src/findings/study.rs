@@ -16,11 +16,7 @@ pub fn of_study(design: &Design, analysis: &Analysis) -> Vec<Finding> {
     findings.extend(declared::hypotheses(&analysis.hypotheses));
     findings.extend(car::own_style(&analysis.reproduction));
     findings.extend(car::nearer(&analysis.nearer));
-    let changed = if steered {
-        Question::Dial
-    } else {
-        Question::Expected
-    };
+    let changed = if steered { Question::Dial } else { Question::Expected };
     findings.extend(conditions::expected(&analysis.panels, changed));
     findings.extend(conditions::expected(&analysis.panels, Question::Noticed));
     if findings.is_empty() {
@@ -78,20 +74,8 @@ mod tests {
     fn more_than_half_of_the_papers_numbers_have_to_agree() {
         let judged = |agree, could| against_the_paper(agree, could).verdict;
         assert_eq!(
-            [
-                judged(20, 24),
-                judged(12, 24),
-                judged(4, 24),
-                judged(5, 5),
-                judged(0, 0)
-            ],
-            [
-                Verdict::Shown,
-                Verdict::NotShown,
-                Verdict::Fails,
-                Verdict::TooFew,
-                Verdict::NotAsked
-            ]
+            [judged(20, 24), judged(12, 24), judged(4, 24), judged(5, 5), judged(0, 0)],
+            [Verdict::Shown, Verdict::NotShown, Verdict::Fails, Verdict::TooFew, Verdict::NotAsked]
         );
     }
 }

@@ -66,10 +66,7 @@ mod tests {
             judged(&analysis).unwrap()
         };
         let (high, low) = (correlation(0.9, 0.001, 24), correlation(-0.6, 0.001, 24));
-        assert_eq!(
-            set(high.clone(), Some(low.clone())),
-            (Fails, "without_score".to_owned())
-        );
+        assert_eq!(set(high.clone(), Some(low.clone())), (Fails, "without_score".to_owned()));
         assert_eq!(set(low.clone(), Some(high.clone())).0, Shown);
         assert_eq!(set(low, Some(correlation(0.3, 0.05, 24))).0, NotShown);
         assert_eq!(set(high, None), (Shown, "with_score".to_owned()));
@@ -85,9 +82,7 @@ mod tests {
             let mut tables = tables();
             tables.embeddings = (0..6).map(|i| position(i, positions[i])).collect();
             let analysis = analysed(tables);
-            finding::by_question(&analysis.findings, Question::Style)
-                .unwrap()
-                .verdict
+            finding::by_question(&analysis.findings, Question::Style).unwrap().verdict
         };
         let along = [20.0, 25.0, 22.0, 30.0, 28.0, 35.0];
         assert_eq!(turned(along), Shown);

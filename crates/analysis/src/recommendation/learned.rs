@@ -172,12 +172,7 @@ impl Learned {
         };
         let rows: Vec<PersonRows> = people.iter().map(|p| learned.rows(data, p)).collect();
         let count = learned.traits.len();
-        let groups = [
-            vec![None; PLAIN],
-            vec![Some(0); count],
-            vec![Some(1); count],
-        ]
-        .concat();
+        let groups = [vec![None; PLAIN], vec![Some(0); count], vec![Some(1); count]].concat();
         learned.fit = hierarchical(&rows, &groups)?;
         Ok(learned)
     }
@@ -186,10 +181,7 @@ impl Learned {
     pub(super) fn traits(&self, data: &StudyData, p: &ParticipantId) -> Vec<f64> {
         let known = traits_of(data, p);
         let z_of = |s: &Standard| {
-            let value = known
-                .iter()
-                .find(|(name, _)| *name == s.name)
-                .and_then(|(_, v)| *v);
+            let value = known.iter().find(|(name, _)| *name == s.name).and_then(|(_, v)| *v);
             value.map_or(0.0, |v| (v - s.mean) / s.sd)
         };
         self.traits.iter().map(z_of).collect()
@@ -239,10 +231,7 @@ impl Learned {
     /// Behind β and u stands an error of each setting that its repetitions share, as large as that of a single rating: what the model gets
     /// wrong about a setting it gets wrong each time, so that showing it again tells less than showing another.
     pub(super) fn belief(&self, data: &StudyData, p: &ParticipantId, with_ratings: bool) -> Belief {
-        let mut belief = self
-            .fit
-            .somebody()
-            .extended(&[self.fit.residual_sd; SETTINGS.len()]);
+        let mut belief = self.fit.somebody().extended(&[self.fit.residual_sd; SETTINGS.len()]);
         if with_ratings {
             let traits = self.traits(data, p);
             for c in data.design.conditions() {
@@ -277,11 +266,8 @@ impl Learned {
         let half = 0.5 * self.adb_point;
         let apart = shift(settled.points + half) - shift(settled.points - half);
         let a_point = apart.abs() / self.adb_point;
-        let mut slope: Vec<f64> = linear
-            .iter()
-            .zip(&square)
-            .map(|(l, s)| l + 2.0 * settled_shift * s)
-            .collect();
+        let mut slope: Vec<f64> =
+            linear.iter().zip(&square).map(|(l, s)| l + 2.0 * settled_shift * s).collect();
         slope.resize(belief.len(), 0.0);
         let curvature = belief.mean_of(&square).min(-0.05);
         let sd = 2.0 * curvature * a_point * settled.sd;
@@ -308,10 +294,8 @@ impl Learned {
     ) -> Option<Preferred> {
         let (linear, square) = parabola(traits);
         let tops = belief.top_of_parabola(&linear, &square)?;
-        let points: Vec<f64> = tops
-            .into_iter()
-            .map(|shift| self.dial.points_at(shift).clamp(low, high))
-            .collect();
+        let points: Vec<f64> =
+            tops.into_iter().map(|shift| self.dial.points_at(shift).clamp(low, high)).collect();
         let quantile = |share: f64| points[((points.len() - 1) as f64 * share).round() as usize];
         let middle = quantile(0.5);
         let within = 5.0 * self.adb_point;

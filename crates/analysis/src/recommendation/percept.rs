@@ -41,16 +41,12 @@ impl Percept {
     /// # Errors
     /// [`AnalysisError::NothingToLearn`] where nobody said how aggressive a drive was; [`AnalysisError::Stats`] where all said the same.
     pub(super) fn learn(data: &StudyData, people: &[ParticipantId]) -> Result<Self, AnalysisError> {
-        let own_drives: Vec<&MeasureValues> = people
-            .iter()
-            .filter_map(|p| data.drive(p, data.design.baseline_id()?))
-            .collect();
+        let own_drives: Vec<&MeasureValues> =
+            people.iter().filter_map(|p| data.drive(p, data.design.baseline_id()?)).collect();
         let spread = spread(&own_drives);
         let names: Vec<&String> = spread.keys().collect();
-        let felt = ScoreName {
-            scale: AGGRESSIVENESS.to_owned(),
-            subscale: AGGRESSIVENESS.to_owned(),
-        };
+        let felt =
+            ScoreName { scale: AGGRESSIVENESS.to_owned(), subscale: AGGRESSIVENESS.to_owned() };
         let rows: Vec<PersonRows> = people
             .iter()
             .map(|p| {
@@ -80,9 +76,7 @@ impl Percept {
         let size: f64 = weights.iter().map(|w| w.abs()).sum();
         let named = |number: &dyn Fn(f64) -> f64| {
             let pairs = names.iter().zip(weights);
-            pairs
-                .map(|(name, w)| ((*name).clone(), number(*w)))
-                .collect()
+            pairs.map(|(name, w)| ((*name).clone(), number(*w))).collect()
         };
         Ok(Self {
             shift: named(&|w| w),
@@ -100,11 +94,7 @@ impl Percept {
             squares += weight * difference * difference;
             compared += weight;
         }
-        let distance = if compared > 0.0 {
-            (squares / compared).sqrt()
-        } else {
-            0.0
-        };
+        let distance = if compared > 0.0 { (squares / compared).sqrt() } else { 0.0 };
         (shift, distance)
     }
 
@@ -121,17 +111,11 @@ impl Percept {
 
     /// Where the dial is on average.
     pub(super) fn dial(&self, data: &StudyData, people: &[ParticipantId]) -> Option<Dial> {
-        let mut dial = Dial {
-            points: 0.0,
-            shift: [0.0; 3],
-            distance: [0.0; 3],
-        };
+        let mut dial = Dial { points: 0.0, shift: [0.0; 3], distance: [0.0; 3] };
         let ends = ends(data)?;
         for (i, c) in ends.into_iter().enumerate() {
-            let perceived: Vec<(f64, f64)> = people
-                .iter()
-                .filter_map(|p| self.of_condition(data, p, c))
-                .collect();
+            let perceived: Vec<(f64, f64)> =
+                people.iter().filter_map(|p| self.of_condition(data, p, c)).collect();
             if perceived.is_empty() {
                 return None;
             }
@@ -163,11 +147,7 @@ impl Dial {
     /// Points of the style's score at which the car is perceived to be shifted by `shift`, on a straight line to either end and beyond.
     pub(super) fn points_at(&self, shift: f64) -> f64 {
         let [low, middle, high] = self.shift;
-        let step = if shift >= middle {
-            high - middle
-        } else {
-            middle - low
-        };
+        let step = if shift >= middle { high - middle } else { middle - low };
         self.points * (shift - middle) / step
     }
 
@@ -191,10 +171,7 @@ fn between(
     let difference = |(name, sd): (&String, &f64)| {
         let value = |values: &MeasureValues| values.get(name).copied().flatten();
         let difference = (value(drive)? - value(own)?) / sd;
-        Some((
-            name.clone(),
-            difference.clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE),
-        ))
+        Some((name.clone(), difference.clamp(-LARGEST_DIFFERENCE, LARGEST_DIFFERENCE)))
     };
     spread.iter().filter_map(difference).collect()
 }
@@ -205,11 +182,7 @@ fn differences(
     c: ConditionId,
     spread: &BTreeMap<String, f64>,
 ) -> Option<BTreeMap<String, f64>> {
-    Some(between(
-        data.drive(p, data.design.baseline_id()?)?,
-        data.drive(p, c)?,
-        spread,
-    ))
+    Some(between(data.drive(p, data.design.baseline_id()?)?, data.drive(p, c)?, spread))
 }
 
 #[cfg(test)]
@@ -218,11 +191,7 @@ mod tests {
 
     #[test]
     fn a_setting_of_the_dial_is_found_back_from_what_it_looks_like() {
-        let dial = Dial {
-            points: 15.0,
-            shift: [-0.8, -0.1, 0.6],
-            distance: [1.0, 0.4, 0.9],
-        };
+        let dial = Dial { points: 15.0, shift: [-0.8, -0.1, 0.6], distance: [1.0, 0.4, 0.9] };
         for points in [-20.0, -15.0, -4.0, 0.0, 7.5, 15.0] {
             assert!((dial.points_at(dial.expected(points).0) - points).abs() < 1e-9);
         }

@@ -27,14 +27,10 @@ pub(super) fn on_the_scale(
     p: &ParticipantId,
     preferred: &Preferred,
 ) -> Option<OnTheScale> {
-    let row = data
-        .embedding(p, true)
-        .or_else(|| data.embedding(p, false))?;
+    let row = data.embedding(p, true).or_else(|| data.embedding(p, false))?;
     let own_score = row.adb_hat?;
     let own_sd = row.line_position_se? * points_a_step(&data.embeddings)?;
-    let (lowest, highest) = data
-        .style_range()
-        .unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
+    let (lowest, highest) = data.style_range().unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
     let score = own_score + preferred.points;
     let reach = |end: f64| libm::hypot(end - preferred.points, HALF_95 * own_sd);
     // A setting that ends where the scale does may be rounded past it.
@@ -59,19 +55,15 @@ pub(super) fn settings_within(
     let reading = own.and_then(|row| row.adb_hat);
     match data.style_range().zip(reading) {
         None => [from, to],
-        Some(((lowest, highest), own)) => [
-            (lowest - own).clamp(from, 0.0),
-            (highest - own).clamp(0.0, to),
-        ],
+        Some(((lowest, highest), own)) => {
+            [(lowest - own).clamp(from, 0.0), (highest - own).clamp(0.0, to)]
+        }
     }
 }
 
 /// Points of the score for each step along the aggression line: S is linear, so any two embeddings tell.
 fn points_a_step(rows: &[EmbeddingRow]) -> Option<f64> {
-    let mut known = rows
-        .iter()
-        .filter_map(|r| r.line_position.zip(r.adb_hat))
-        .collect::<Vec<_>>();
+    let mut known = rows.iter().filter_map(|r| r.line_position.zip(r.adb_hat)).collect::<Vec<_>>();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (first, last) = (known.first()?, known.last()?);
     let points = (last.1 - first.1) / (last.0 - first.0);

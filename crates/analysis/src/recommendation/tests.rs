@@ -56,15 +56,7 @@ fn learned() -> Learned {
     let score = |name: &str, sign, mean, sd| {
         let name: ScoreName = name.parse().unwrap();
         let title = name.to_string();
-        (
-            name,
-            sign,
-            Standard {
-                name: title,
-                mean,
-                sd,
-            },
-        )
+        (name, sign, Standard { name: title, mean, sd })
     };
     Learned {
         adb_point: 1.0,
@@ -73,16 +65,9 @@ fn learned() -> Learned {
             distance: BTreeMap::new(),
             spread: BTreeMap::new(),
         },
-        dial: Dial {
-            points: 15.0,
-            shift: [-0.5, 0.0, 1.0],
-            distance: [0.0; 3],
-        },
+        dial: Dial { points: 15.0, shift: [-0.5, 0.0, 1.0], distance: [0.0; 3] },
         traits: ["pace", "calm"].map(trait_of).into(),
-        ratings: vec![
-            score("calm.total", -1.0, 4.0, 2.0),
-            score("trust.total", 1.0, 3.0, 1.0),
-        ],
+        ratings: vec![score("calm.total", -1.0, 4.0, 2.0), score("trust.total", 1.0, 3.0, 1.0)],
         fit: Hierarchical {
             coefficients: known(&[]),
             shrunken_sd: Vec::new(),
@@ -94,11 +79,7 @@ fn learned() -> Learned {
 }
 
 fn trait_of(name: &str) -> Standard {
-    Standard {
-        name: name.to_owned(),
-        mean: 10.0,
-        sd: 2.0,
-    }
+    Standard { name: name.to_owned(), mean: 10.0, sd: 2.0 }
 }
 
 /// The coefficients for sure, but for those with a variance.
@@ -160,12 +141,7 @@ fn the_reasons_are_what_each_part_adds_in_points() {
     near(points(&[-4.0, 0.0])["pace"], -12.0, 1e-9);
     let mut rated = belief.clone();
     rated = Belief::new(
-        rated
-            .mean()
-            .iter()
-            .enumerate()
-            .map(|(i, m)| m + if i == 1 { 0.9 } else { 0.0 })
-            .collect(),
+        rated.mean().iter().enumerate().map(|(i, m)| m + if i == 1 { 0.9 } else { 0.0 }).collect(),
         vec![vec![0.0; belief.len()]; belief.len()],
     )
     .unwrap();
@@ -179,10 +155,7 @@ fn the_reasons_are_what_each_part_adds_in_points() {
     let everybody = found.iter().find(|r| r.because == "everybody").unwrap();
     near(everybody.points, 90.0, 1e-9);
     let found = reasons(&learned, [&belief, &belief, &rated], &[2.0, 0.0]);
-    assert_eq!(
-        found[0].because, "own turns of the dial",
-        "the largest first"
-    );
+    assert_eq!(found[0].because, "own turns of the dial", "the largest first");
     near(found[0].points, 4.5, 1e-9);
 }
 
@@ -203,10 +176,7 @@ fn where_the_dial_was_left_the_preference_neither_rises_nor_falls() {
     let mut learned = learned();
     learned.fit.coefficients = known(&[(1, 1.0)]);
     let mut belief = believed(&learned);
-    let settled = Settled {
-        points: 7.5,
-        sd: 1.5,
-    };
+    let settled = Settled { points: 7.5, sd: 1.5 };
     learned.observe_settled(&mut belief, &[0.0, 0.0], settled);
     // At half a shift b + g is 0 instead of -0.9, with an error of 2 · 1.5 · 1.5 / 15 beside the SD of 1.
     near(belief.mean()[1], 0.6 + 0.9 / 1.09, 1e-9);
@@ -266,18 +236,10 @@ fn a_condition_shows_the_setting_that_it_came_near_to() {
     let text = "[study]\ntitle = \"t\"\n[people]\nlearn = { a = 1 }\n[style]\nscore = \"adb.total\"\n\
                 [[condition]]\nid = \"up\"\ncar = { dial = 15 }\n[[condition]]\nid = \"mean\"\ncar = { mean = true }";
     let design = Design::from_toml(text).unwrap();
-    let [up, mean] = design.conditions() else {
-        panic!("two")
-    };
+    let [up, mean] = design.conditions() else { panic!("two") };
     assert_eq!(setting_of(up, Some(15.0)), Some(6));
-    assert_eq!(
-        (setting_of(up, Some(12.6)), setting_of(up, Some(12.4))),
-        (Some(6), Some(5))
-    );
-    assert_eq!(
-        (setting_of(up, Some(17.6)), setting_of(up, None)),
-        (None, None)
-    );
+    assert_eq!((setting_of(up, Some(12.6)), setting_of(up, Some(12.4))), (Some(6), Some(5)));
+    assert_eq!((setting_of(up, Some(17.6)), setting_of(up, None)), (None, None));
     assert_eq!(setting_of(mean, Some(15.0)), None);
 }
 
@@ -323,28 +285,20 @@ fn eight(down: impl Fn(f64) -> f64) -> StudyData {
     let spread = (PEOPLE as f64 * 4.0 / (PEOPLE as f64 - 1.0)).sqrt();
     for i in 0..PEOPLE {
         tables.measurements.push(drive(i, "own", Some(own(i))));
-        tables
-            .pre
-            .push(score(i, Moment::Pre, "ipip", "pace", 20.0 + pace(i)));
+        tables.pre.push(score(i, Moment::Pre, "ipip", "pace", 20.0 + pace(i)));
         tables.pre.push(score(i, Moment::Pre, "adb", "total", 30.0));
         let off = if i % 3 == 0 { 0.02 } else { -0.01 };
-        for (condition, shift, moved) in [
-            ("same", off, 0.0),
-            ("up", 1.5 + off, 15.0),
-            ("down", down(off), -15.0),
-        ] {
-            tables
-                .measurements
-                .push(drive(i, condition, Some(own(i) + shift * spread)));
+        for (condition, shift, moved) in
+            [("same", off, 0.0), ("up", 1.5 + off, 15.0), ("down", down(off), -15.0)]
+        {
+            tables.measurements.push(drive(i, condition, Some(own(i) + shift * spread)));
             tables.conditions.push(ConditionRow {
                 moved_points: Some(moved),
                 ..steered(i, condition, None, false)
             });
             let after = Moment::after(id(condition));
             let felt = 4.0 + 0.5 * shift + 0.5 * off;
-            tables
-                .post
-                .push(score(i, after, "aggressiveness", "aggressiveness", felt));
+            tables.post.push(score(i, after, "aggressiveness", "aggressiveness", felt));
             let trust = 5.0 - (shift - liked(i)).powi(2) + off;
             tables.post.push(score(i, after, "trust", "total", trust));
         }
@@ -362,10 +316,7 @@ fn a_dial_that_nobody_sees_turn_down_is_none() {
     let data = eight(|off| off);
     let people: Vec<_> = (0..PEOPLE).map(person).collect();
     let error = Learned::from(&data, &people).unwrap_err();
-    assert!(
-        error.to_string().contains("not perceived in this order"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("not perceived in this order"), "{error}");
 }
 
 #[test]
@@ -392,10 +343,7 @@ fn what_eight_people_like_is_found_again_in_their_ratings_and_in_their_trait() {
         let expected = 10.0 * liked(i);
         near(found.preferred.unwrap().points, expected, 1.5);
         near(found.before_riding.unwrap().points, expected, 2.5);
-        assert!(
-            found.on_the_scale.is_none(),
-            "no model read anybody's score"
-        );
+        assert!(found.on_the_scale.is_none(), "no model read anybody's score");
     }
     // Who likes more than the own style, and left the dial further up, likes more still.
     let last = &people[PEOPLE - 1];
@@ -437,22 +385,11 @@ fn without_ratings_nothing_is_learned_and_what_to_write_is_said() {
         Learned::from(&data, &people).unwrap_err()
     };
     let undeclared = refused(DESIGN.split("[homophily]").next().unwrap());
-    assert!(
-        undeclared.to_string().contains("no `[homophily] ratings`"),
-        "{undeclared}"
-    );
+    assert!(undeclared.to_string().contains("no `[homophily] ratings`"), "{undeclared}");
     let help = undeclared.suggestion().unwrap();
-    assert!(
-        help.contains("ratings = [\"jian_trust.overall\"]"),
-        "{help}"
-    );
+    assert!(help.contains("ratings = [\"jian_trust.overall\"]"), "{help}");
     let unanswered = refused(&DESIGN.replace("trust.total", "comfort.total"));
-    assert!(
-        unanswered
-            .to_string()
-            .contains("nobody answered comfort.total"),
-        "{unanswered}"
-    );
+    assert!(unanswered.to_string().contains("nobody answered comfort.total"), "{unanswered}");
     let mut tables = Tables::default();
     for i in 0..PEOPLE {
         for condition in ["own", "same", "up", "down"] {
@@ -462,9 +399,7 @@ fn without_ratings_nothing_is_learned_and_what_to_write_is_said() {
     let unfelt = StudyData::new(&Design::from_toml(DESIGN).unwrap(), tables).unwrap();
     let unfelt = Learned::from(&unfelt, &people).unwrap_err();
     assert!(
-        unfelt
-            .to_string()
-            .contains("nobody answered aggressiveness.aggressiveness"),
+        unfelt.to_string().contains("nobody answered aggressiveness.aggressiveness"),
         "{unfelt}"
     );
 }
@@ -482,28 +417,15 @@ fn two_placed() -> StudyData {
 #[test]
 fn on_the_scale_both_uncertainties_add_up_as_squares() {
     let data = two_placed();
-    let preferred = Preferred {
-        points: 6.0,
-        low: 0.0,
-        high: 14.0,
-        within_5: 0.5,
-    };
-    let OnTheScale {
-        own,
-        own_sd,
-        at,
-        low,
-        high,
-    } = on_the_scale(&data, &person(0), &preferred).unwrap();
+    let preferred = Preferred { points: 6.0, low: 0.0, high: 14.0, within_5: 0.5 };
+    let OnTheScale { own, own_sd, at, low, high } =
+        on_the_scale(&data, &person(0), &preferred).unwrap();
     // S reads 39; half a step of 9 points is its SD.
     assert_eq!((own, own_sd, at), (39.0, 4.5, 45.0));
     near(low, 45.0 - (36.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
     near(high, 45.0 + (64.0 + (1.96 * 4.5_f64).powi(2)).sqrt(), 1e-9);
     // Of a setting at its own low end the own style alone is open below.
-    let at_the_end = Preferred {
-        low: 6.0,
-        ..preferred
-    };
+    let at_the_end = Preferred { low: 6.0, ..preferred };
     let found = on_the_scale(&data, &person(0), &at_the_end).unwrap();
     near(found.low, 45.0 - 1.96 * 4.5, 1e-9);
 }
@@ -516,12 +438,8 @@ fn a_recommendation_that_the_scale_has_no_score_for_has_none_and_no_interval_lea
     data.design = Design::from_toml(&ranged).unwrap();
     assert_eq!(data.style_range(), Some((11.0, 55.0)));
     // S reads 39.
-    let preferred = |points: f64| Preferred {
-        points,
-        low: points - 8.0,
-        high: points + 8.0,
-        within_5: 0.5,
-    };
+    let preferred =
+        |points: f64| Preferred { points, low: points - 8.0, high: points + 8.0, within_5: 0.5 };
     let inside = on_the_scale(&data, &person(0), &preferred(15.0)).unwrap();
     assert_eq!((inside.at, inside.high), (54.0, 55.0));
     assert!(inside.low < 54.0 - 8.0);

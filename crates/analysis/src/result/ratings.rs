@@ -33,10 +33,7 @@ pub struct HomophilyRow {
 impl HomophilyRow {
     /// The name of this test in a ledger of claims, before `.r`.
     pub fn key(&self) -> String {
-        format!(
-            "homophily.{}.{}-{}.{}",
-            self.factor, self.own, self.versus, self.rating
-        )
+        format!("homophily.{}.{}-{}.{}", self.factor, self.own, self.versus, self.rating)
     }
 }
 

@@ -18,11 +18,7 @@ fn what_was_measured_and_answered_is_described_condition_by_condition() {
     near(trust.mean, 5.0);
     assert_eq!((trust.n, own.n), (6, 6));
     // Nobody rates the own drive.
-    assert!(
-        a.descriptives
-            .iter()
-            .all(|d| d.condition != id("own") || d.outcome == SPEED)
-    );
+    assert!(a.descriptives.iter().all(|d| d.condition != id("own") || d.outcome == SPEED));
 }
 
 #[test]
@@ -55,14 +51,8 @@ fn where_the_score_of_the_style_counts_calmness_a_car_turned_up_is_expected_to_b
             "[model]\nfile = \"lab.maveric\"\n[style]\nscore = \"adb.total\"\nrange = [11, 55]\n{aggression}\n"
         );
         let text = plain(&["same", "fast"], &design)
-            .replace(
-                "id = \"fast\"\n",
-                "id = \"fast\"\ncar = { dial = 15, recorded = true }\n",
-            )
-            .replace(
-                "id = \"same\"\n",
-                "id = \"same\"\ncar = { dial = 0, recorded = true }\n",
-            );
+            .replace("id = \"fast\"\n", "id = \"fast\"\ncar = { dial = 15, recorded = true }\n")
+            .replace("id = \"same\"\n", "id = \"same\"\ncar = { dial = 0, recorded = true }\n");
         let a = analysed_by(&text, tables());
         panel(&a, SPEED).contrasts[0].expected
     };
@@ -75,12 +65,7 @@ fn where_the_score_of_the_style_counts_calmness_a_car_turned_up_is_expected_to_b
 fn conditions_that_were_only_recorded_are_compared_and_nothing_is_said_of_a_dial() {
     let a = analysed_by(&plain(&["same", "fast", "slow"], ""), tables());
     assert_eq!(panel(&a, SPEED).contrasts.len(), 3);
-    assert!(
-        panel(&a, SPEED)
-            .contrasts
-            .iter()
-            .all(|c| c.expected.is_none())
-    );
+    assert!(panel(&a, SPEED).contrasts.iter().all(|c| c.expected.is_none()));
     assert!(a.line.is_none() && a.reproduction.is_empty() && a.nearer.is_empty());
     assert!(a.homophily.is_empty() && a.mixed.is_empty() && a.preferences.is_empty());
 }
@@ -93,9 +78,7 @@ fn two_conditions_get_a_paired_test() {
     assert_eq!(found.chosen, OmnibusTest::PairedT);
     assert_eq!(panel.test, Some(ContrastTest::T));
     // Differences 5, 5.5, 4.5, 5, 5, 5 m/s: mean 5, s² = 0.1.
-    let [pair] = &panel.contrasts[..] else {
-        panic!("one pair")
-    };
+    let [pair] = &panel.contrasts[..] else { panic!("one pair") };
     near(pair.statistic, 5.0 / (0.1_f64 / 6.0).sqrt());
     assert_eq!(pair.p, pair.p_holm);
 }
@@ -109,11 +92,7 @@ fn one_condition_is_held_against_the_baseline() {
     // Without a drive by hand there is nothing to hold it against.
     let alone = "[study]\ntitle = \"t\"\n[[condition]]\nid = \"fast\"\n";
     let a = analysed_by(alone, tables());
-    assert!(
-        a.panels
-            .iter()
-            .all(|p| p.contrasts.is_empty() && p.test.is_none())
-    );
+    assert!(a.panels.iter().all(|p| p.contrasts.is_empty() && p.test.is_none()));
     assert!(a.panels[0].reasons[0].contains("nothing to compare"));
 }
 
@@ -131,19 +110,10 @@ fn declared_contrasts_alone_make_the_family() {
     let against = "[contrasts]\ncompare = \"against slow\"\n";
     let a = analysed_by(&plain(&["same", "fast", "slow"], against), tables());
     let panel = panel(&a, SPEED);
-    let pairs: Vec<_> = panel
-        .contrasts
-        .iter()
-        .map(|c| (c.first, c.second))
-        .collect();
+    let pairs: Vec<_> = panel.contrasts.iter().map(|c| (c.first, c.second)).collect();
     assert_eq!(pairs, [(id("slow"), id("same")), (id("slow"), id("fast"))]);
     // Slower than both, by every test of these six people.
-    assert!(
-        panel
-            .contrasts
-            .iter()
-            .all(|c| c.mean_difference < Some(0.0))
-    );
+    assert!(panel.contrasts.iter().all(|c| c.mean_difference < Some(0.0)));
     let p: Vec<f64> = panel.contrasts.iter().filter_map(|c| c.p).collect();
     let least = p.iter().copied().fold(1.0, f64::min);
     let holm = panel.contrasts.iter().filter_map(|c| c.p_holm);
@@ -199,10 +169,7 @@ fn parts_of_drives_are_told_of_counts_and_extremes_alone() {
         };
         [says("lane_changes"), says(SPEED)]
     };
-    assert_eq!(
-        [told(Some(60.0)), told(None)],
-        [[true, false], [false, false]]
-    );
+    assert_eq!([told(Some(60.0)), told(None)], [[true, false], [false, false]]);
 }
 
 #[test]

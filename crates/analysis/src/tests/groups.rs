@@ -11,12 +11,8 @@ struct Long {
 }
 
 fn long(panel: &Panel) -> Long {
-    let mut long = Long {
-        people: Vec::new(),
-        conditions: Vec::new(),
-        cities: Vec::new(),
-        values: Vec::new(),
-    };
+    let mut long =
+        Long { people: Vec::new(), conditions: Vec::new(), cities: Vec::new(), values: Vec::new() };
     let city = |who: &str| ["B", "A"][who[1..].parse::<usize>().unwrap() % 2];
     let mut people: Vec<_> = panel.participants.iter().zip(&panel.rows).collect();
     people.sort_by_key(|(who, _)| city(who));
@@ -36,9 +32,7 @@ fn people_of_two_cities_are_one_factorial_test_and_each_city_a_panel_of_its_own(
     let factor = "[[factor]]\ncolumn = \"city\"\n";
     let a = analysed_by(&plain(&["same", "fast", "slow"], factor), with_people(AGES));
     let panels: Vec<&Panel> = a.panels.iter().filter(|p| p.outcome == SPEED).collect();
-    let groups = panels
-        .iter()
-        .map(|p| p.group.as_ref().map(|g| g.level.as_str()));
+    let groups = panels.iter().map(|p| p.group.as_ref().map(|g| g.level.as_str()));
     assert_eq!(groups.collect::<Vec<_>>(), [None, Some("A"), Some("B")]);
     let Some(ByDesign::Factorial(found)) = &panels[0].comparison else {
         panic!("a factor between people and the conditions")
@@ -96,21 +90,13 @@ fn a_primary_outcome_whose_test_can_never_be_run_is_not_testable_and_says_why() 
             let judged = primary(test, more);
             assert_eq!(judged.verdict, Verdict::NotTestable, "{test} {more}");
             let why = judged.why_not.unwrap();
-            assert!(
-                why.contains(&format!("`{test}` beside the {said}")),
-                "{why}"
-            );
+            assert!(why.contains(&format!("`{test}` beside the {said}")), "{why}");
         }
         let why = primary("mixed", more).why_not.unwrap_or_default();
         assert!(!why.contains("beside the"), "{why}");
     }
     let friedman = primary("friedman", "");
-    assert_ne!(
-        friedman.verdict,
-        Verdict::NotTestable,
-        "{:?}",
-        friedman.why_not
-    );
+    assert_ne!(friedman.verdict, Verdict::NotTestable, "{:?}", friedman.why_not);
 }
 
 #[test]
@@ -131,10 +117,7 @@ fn a_covariate_of_people_enters_between_them_alone_and_must_be_a_number() {
     let alone = alone.one_factor().unwrap().omnibus.clone();
     near(test("condition").p, alone.p.unwrap());
     let declared = "[[covariate]]\ncolumn = \"age\"\nwith = [\"condition\"]\n";
-    let a = analysed_by(
-        &plain(&["same", "fast", "slow"], declared),
-        with_people(AGES),
-    );
+    let a = analysed_by(&plain(&["same", "fast", "slow"], declared), with_people(AGES));
     let effects = panel(&a, SPEED).comparison.as_ref().unwrap().effects();
     let names: Vec<&str> = effects.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["condition", "age", "age:condition"]);
@@ -163,23 +146,14 @@ fn whoever_lacks_a_factor_or_a_covariate_is_in_no_test_is_named_and_not_counted(
         let speed = panel(&a, SPEED);
         assert_eq!((speed.n, speed.lacking()), (5, 0), "{column}");
         assert_eq!(speed.dropped, ["P2"]);
-        assert_eq!(
-            speed.without_column.get("P2").map(String::as_str),
-            Some(column)
-        );
-        let Some(ByDesign::Factorial(found)) = &speed.comparison else {
-            panic!("several effects")
-        };
+        assert_eq!(speed.without_column.get("P2").map(String::as_str), Some(column));
+        let Some(ByDesign::Factorial(found)) = &speed.comparison else { panic!("several effects") };
         assert_eq!(found.found.anova.n, speed.n);
         for contrast in &speed.contrasts {
             assert_eq!(contrast.people.iter().sum::<usize>(), speed.n);
         }
         let left_out = a.exclusions.iter().find(|e| e.who == "P2").unwrap();
-        assert!(
-            left_out.why.contains(&format!("no value of {label}")),
-            "{}",
-            left_out.why
-        );
+        assert!(left_out.why.contains(&format!("no value of {label}")), "{}", left_out.why);
         // Nobody makes a group of those without one.
         let levels = a.panels.iter().filter_map(|p| p.group.as_ref());
         assert!(levels.clone().all(|g| g.level != "not given"));
@@ -211,11 +185,7 @@ fn groups_alone_have_means_of_their_own_in_alphabetical_order_and_no_card_on_con
         assert!(matches!(speeds[0].comparison, Some(ByDesign::Groups(_))));
         let by_factor = speeds[0].by_factor.as_ref().unwrap();
         assert_eq!(by_factor.factors[0].levels, ["A", "B"]);
-        let of_first = by_factor
-            .means
-            .iter()
-            .find(|m| m.levels == [first])
-            .unwrap();
+        let of_first = by_factor.means.iter().find(|m| m.levels == [first]).unwrap();
         let values: Vec<f64> = [0, 2, 4].map(|i| (OWN[i] + FASTER[1][i]) * 3.6).to_vec();
         near(Some(of_first.mean), values.iter().sum::<f64>() / 3.0);
         let [_, low, _] = mean_interval(&values, 0.95).unwrap();
@@ -224,10 +194,9 @@ fn groups_alone_have_means_of_their_own_in_alphabetical_order_and_no_card_on_con
         assert!(a.findings.iter().all(|f| f.question != Question::Differ));
     }
     // Two groups are no two factors: a contrast of them is said to have no test.
-    for (declared, said) in [
-        ("", false),
-        ("[contrasts]\nfactors = [{ city = [\"A\", \"B\"] }]\n", true),
-    ] {
+    for (declared, said) in
+        [("", false), ("[contrasts]\nfactors = [{ city = [\"A\", \"B\"] }]\n", true)]
+    {
         let a = analysed_by(&format!("{text}{declared}"), with_people(AGES));
         let panel = panel(&a, SPEED);
         let why = |reason: &String| reason.contains("contrasts of factors have no test");
@@ -259,33 +228,20 @@ fn run_effects(found: &ByDesign) -> Vec<(String, Option<EffectMethod>)> {
     match found {
         ByDesign::Factorial(found) => {
             let tests = found.found.tests.iter();
-            tests
-                .map(|(name, test)| (name.to_owned(), Some(test.method)))
-                .collect()
+            tests.map(|(name, test)| (name.to_owned(), Some(test.method))).collect()
         }
-        other => other
-            .effects()
-            .iter()
-            .map(|(name, _)| ((*name).to_owned(), None))
-            .collect(),
+        other => other.effects().iter().map(|(name, _)| ((*name).to_owned(), None)).collect(),
     }
 }
 
 #[test]
 fn what_is_declared_is_what_is_run() {
     let mut effects = 0;
-    for conditions in [
-        &["same", "fast"][..],
-        &["same", "fast", "slow"],
-        &["same", "fast", "slow", "across"],
-        &[],
-    ] {
+    for conditions in
+        [&["same", "fast"][..], &["same", "fast", "slow"], &["same", "fast", "slow", "across"], &[]]
+    {
         for factor in ["", "[[factor]]\ncolumn = \"city\"\n"] {
-            let product = if conditions.is_empty() {
-                "speed"
-            } else {
-                "condition"
-            };
+            let product = if conditions.is_empty() { "speed" } else { "condition" };
             let declared = format!("[[covariate]]\ncolumn = \"age\"\nwith = [\"{product}\"]\n");
             for covariate in ["", "[[covariate]]\ncolumn = \"age\"\n", &declared] {
                 let mut text = plain(conditions, &(factor.to_owned() + covariate));
@@ -352,19 +308,10 @@ fn conditions_that_cross_two_factors_have_main_effects_and_their_interaction() {
     let names: Vec<&str> = effects.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["side", "speed", "side:speed"]);
     assert_eq!(panel.contrasts.len(), 6);
-    let broken = text.replace(
-        "speed = \"high\", side = \"right\"",
-        "speed = \"middle\", side = \"right\"",
-    );
+    let broken =
+        text.replace("speed = \"high\", side = \"right\"", "speed = \"middle\", side = \"right\"");
     let a = analysed_by(&broken, tables());
     let says = |note: &String| note.contains("do not cross");
     assert!(a.notes.iter().any(says), "{:?}", a.notes);
-    assert!(
-        a.panels[0]
-            .comparison
-            .as_ref()
-            .unwrap()
-            .one_factor()
-            .is_some()
-    );
+    assert!(a.panels[0].comparison.as_ref().unwrap().one_factor().is_some());
 }

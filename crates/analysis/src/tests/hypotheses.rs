@@ -15,14 +15,8 @@ fn a_table_a_sentence_and_an_equivalence_of_one_outcome_are_of_the_same_people_t
     for i in 6..8 {
         let own = 24.0 + i as f64;
         gap.measurements.push(drive_of(i, "own", Some(own)));
-        for (condition, faster) in [
-            ("same", 0.4),
-            ("fast", 2.2),
-            ("slow", -1.2),
-            ("across", 0.1),
-        ] {
-            gap.measurements
-                .push(drive_of(i, condition, Some(own + faster * i as f64)));
+        for (condition, faster) in [("same", 0.4), ("fast", 2.2), ("slow", -1.2), ("across", 0.1)] {
+            gap.measurements.push(drive_of(i, condition, Some(own + faster * i as f64)));
         }
     }
     let claims = hypothesis(r#"["fast", "same"]"#, "equivalent = [-9, 9]")
@@ -48,15 +42,9 @@ fn a_table_a_sentence_and_an_equivalence_of_one_outcome_are_of_the_same_people_t
         test.unwrap()
     };
     let test = test_of(below);
-    near(
-        Some(width(below)),
-        test.ci.high.unwrap() - test.ci.low.unwrap(),
-    );
+    near(Some(width(below)), test.ci.high.unwrap() - test.ci.low.unwrap());
     let test = test_of(same);
-    near(
-        Some(width(same)),
-        test.ci90.high.unwrap() - test.ci90.low.unwrap(),
-    );
+    near(Some(width(same)), test.ci90.high.unwrap() - test.ci90.low.unwrap());
     let bias = a.reproduction[0].bias.as_ref().unwrap();
     assert_eq!((bias.n, a.reproduction[0].n), (7, 7));
     assert!(a.nearer.iter().all(|row| row.n == 7));
@@ -78,9 +66,7 @@ fn a_hypothesis_turns_its_own_contrast_and_no_other_of_one_of_its_conditions() {
     let pairs = |declared: &str| -> Vec<[String; 2]> {
         let a = analysed_by(&format!("{DESIGN}{declared}"), tables());
         let pairs = panel(&a, SPEED).contrasts.iter();
-        pairs
-            .map(|c| [c.first.to_string(), c.second.to_string()])
-            .collect()
+        pairs.map(|c| [c.first.to_string(), c.second.to_string()]).collect()
     };
     let declared = pairs("");
     for [first, second] in &declared {
@@ -106,10 +92,7 @@ fn hypothesis(contrast: &str, rule: &str) -> String {
 #[test]
 fn a_hypothesis_is_judged_by_its_rule() {
     let judged = |contrast: &str, rule: &str| {
-        let text = plain(
-            &["same", "fast", "slow", "across"],
-            &hypothesis(contrast, rule),
-        );
+        let text = plain(&["same", "fast", "slow", "across"], &hypothesis(contrast, rule));
         analysed_by(&text, tables()).hypotheses[0].verdict
     };
     let two = |contrast: &str, rule: &str| {
@@ -120,44 +103,23 @@ fn a_hypothesis_is_judged_by_its_rule() {
     assert_eq!(found.verdict, Verdict::Shown);
     assert!(found.rule.contains("Holm"), "{}", found.rule);
     near(found.mean_difference, -5.0 * 3.6);
-    assert_eq!(
-        two(r#"["slow", "fast"]"#, "direction = \"+\"").verdict,
-        Verdict::Fails
-    );
+    assert_eq!(two(r#"["slow", "fast"]"#, "direction = \"+\"").verdict, Verdict::Fails);
     // Six people and six pairs by ranks: nothing can be below .05 after Holm.
-    assert_eq!(
-        judged(r#"["slow", "fast"]"#, "direction = \"-\""),
-        Verdict::NotShown
-    );
+    assert_eq!(judged(r#"["slow", "fast"]"#, "direction = \"-\""), Verdict::NotShown);
     // Means 0 and 0.07 m/s, that is 0.25 km/h apart.
     let near_to = r#"["same", "across"]"#;
     assert_eq!(judged(near_to, "equivalent = [-6.5, 6.5]"), Verdict::Shown);
-    assert_eq!(
-        judged(near_to, "equivalent = [-0.1, 0.1]"),
-        Verdict::NotShown
-    );
+    assert_eq!(judged(near_to, "equivalent = [-0.1, 0.1]"), Verdict::NotShown);
     assert_eq!(judged(near_to, "equivalent = [8, 15]"), Verdict::Fails);
-    let nobody = plain(
-        &["fast", "slow"],
-        &hypothesis(r#"["slow", "fast"]"#, "direction = \"-\""),
-    );
+    let nobody = plain(&["fast", "slow"], &hypothesis(r#"["slow", "fast"]"#, "direction = \"-\""));
     let nobody = nobody.replace(SPEED, "lane_changes");
-    assert_eq!(
-        analysed_by(&nobody, tables()).hypotheses[0].verdict,
-        Verdict::NotAsked
-    );
+    assert_eq!(analysed_by(&nobody, tables()).hypotheses[0].verdict, Verdict::NotAsked);
     let mut few = tables();
     for drive in few.measurements.iter_mut().skip(10) {
         drive.values.clear();
     }
-    let text = plain(
-        &["fast", "slow"],
-        &hypothesis(r#"["slow", "fast"]"#, "direction = \"-\""),
-    );
-    assert_eq!(
-        analysed_by(&text, few).hypotheses[0].verdict,
-        Verdict::TooFew
-    );
+    let text = plain(&["fast", "slow"], &hypothesis(r#"["slow", "fast"]"#, "direction = \"-\""));
+    assert_eq!(analysed_by(&text, few).hypotheses[0].verdict, Verdict::TooFew);
 }
 
 #[test]
@@ -191,21 +153,13 @@ fn the_rule_of_an_equivalence_has_the_unit_of_what_was_measured_and_none_of_a_ra
         let a = analysed_by(&plain(&["fast", "slow"], &hypothesis), with);
         a.hypotheses[0].rule.clone()
     };
-    assert!(
-        rule(SPEED).contains("between −1 and 1 km/h (both"),
-        "{}",
-        rule(SPEED)
-    );
+    assert!(rule(SPEED).contains("between −1 and 1 km/h (both"), "{}", rule(SPEED));
     let rating = rule("jian_trust.overall");
     assert!(rating.contains("between −1 and 1 (both"), "{rating}");
     for (sign, way, expected) in [("+", "above", Sign::Plus), ("-", "below", Sign::Minus)] {
         let text = hypothesis(r#"["fast", "slow"]"#, &format!("direction = \"{sign}\""));
         let a = analysed_by(&plain(&["fast", "slow"], &text), tables());
-        assert!(
-            a.hypotheses[0]
-                .rule
-                .contains(&format!("lies {way} the second"))
-        );
+        assert!(a.hypotheses[0].rule.contains(&format!("lies {way} the second")));
         let part = &a.findings[0].parts[0];
         assert_eq!(part.rule, crate::finding::Rule::Directed { expected });
         assert_eq!(part.of, format!("{SPEED}.fast-slow"));

@@ -32,11 +32,7 @@ fn measures_of_ones_own_are_enough_for_a_study_and_need_no_baseline() {
     // 1 s times 1, 1.1, … 1.5, the second condition above the first.
     near(time.contrasts[0].mean_difference, -1.25);
     assert!(time.comparison.is_some());
-    assert!(
-        a.notes.iter().any(|note| note.contains("no drives")),
-        "{:?}",
-        a.notes
-    );
+    assert!(a.notes.iter().any(|note| note.contains("no drives")), "{:?}", a.notes);
 }
 
 #[test]
@@ -51,8 +47,7 @@ fn where_somebody_has_a_value_in_the_baseline_differences_from_it_are_compared()
     assert!(a.without_baseline.is_empty() && a.without_answer.is_empty());
     // Somebody without a value is left out, and named.
     let mut less = taken_over(&three);
-    less.own
-        .retain(|row| row.participant != person(2) || row.condition != id("own"));
+    less.own.retain(|row| row.participant != person(2) || row.condition != id("own"));
     let less = analysed_by(&text, less);
     assert_eq!(less.without_baseline, ["P3"]);
     let time = panel(&less, "tor_s");
@@ -64,9 +59,7 @@ fn whoever_was_only_measured_came_and_whom_the_design_leaves_out_has_no_value() 
     let rules = "[exclude]\nfewer_conditions_than = 2\npeople = { P1 = \"withdrew\" }\n";
     let text = plain(&["calm", "sporty"], &format!("{TOR}{rules}"));
     let mut tables = taken_over(&[("calm", 2.0), ("sporty", 3.0)]);
-    tables
-        .own
-        .retain(|row| row.participant != person(1) || row.condition != id("calm"));
+    tables.own.retain(|row| row.participant != person(1) || row.condition != id("calm"));
     let a = analysed_by(&text, tables);
     assert_eq!((a.flow.drove, a.flow.analysed), (6, 4));
     let rows = &panel(&a, "tor_s").participants;
@@ -85,17 +78,9 @@ fn a_value_of_the_first_session_goes_with_its_excluded_drive_whatever_came_in_a_
 
 #[test]
 fn a_measure_that_is_declared_and_that_nobody_has_is_told_and_not_tested() {
-    let text = plain(
-        &["calm", "sporty"],
-        &format!("{TOR}[[measure]]\nid = \"glances\"\nunit = \"1\"\n"),
-    );
+    let text =
+        plain(&["calm", "sporty"], &format!("{TOR}[[measure]]\nid = \"glances\"\nunit = \"1\"\n"));
     let a = analysed_by(&text, taken_over(&[("calm", 2.0), ("sporty", 3.0)]));
     assert_eq!(a.panels.len(), 1);
-    assert!(
-        a.notes
-            .iter()
-            .any(|note| note.ends_with("study’s own: glances.")),
-        "{:?}",
-        a.notes
-    );
+    assert!(a.notes.iter().any(|note| note.ends_with("study’s own: glances.")), "{:?}", a.notes);
 }

@@ -8,10 +8,7 @@ fn the_line_against_the_score_is_the_correlation_by_hand() {
     let line = a.line.as_ref().unwrap();
     let row = |name: &str| line.rows.iter().find(|r| r.measure == name).unwrap();
     // Positions 0 to 5: Sxx = 17.5; Sxy = 446 - 6 · 2.5 · 80/3 = 46; Syy = 4418 - 6 · (80/3)² = 454/3.
-    near(
-        row("adb.total").correlation.r,
-        46.0 / (17.5 * 454.0_f64 / 3.0).sqrt(),
-    );
+    near(row("adb.total").correlation.r, 46.0 / (17.5 * 454.0_f64 / 3.0).sqrt());
     near(row(SPEED).correlation.r, 1.0);
     let (low, high) = row(SPEED).ends.unwrap();
     near(Some(high / low), 30.0 / 25.0);
@@ -43,15 +40,9 @@ fn six_of_six_nearer_has_the_smallest_exact_p() {
 fn ties_are_neither_nearer_nor_farther_and_the_direction_comes_from_the_signed_ranks() {
     // The car at 0 is as far off as the faster one for three people, nearer for the other three, farther for nobody.
     let mut tied = tables();
-    let fast = tied
-        .measurements
-        .iter()
-        .filter(|d| d.meta.condition == id("fast"));
+    let fast = tied.measurements.iter().filter(|d| d.meta.condition == id("fast"));
     let fast: Vec<Option<f64>> = fast.map(|d| d.values[SPEED]).collect();
-    let same = tied
-        .measurements
-        .iter_mut()
-        .filter(|d| d.meta.condition == id("same"));
+    let same = tied.measurements.iter_mut().filter(|d| d.meta.condition == id("same"));
     for (drive, fast) in same.zip(fast).take(3) {
         drive.values.insert(SPEED.to_owned(), fast);
     }
@@ -105,9 +96,7 @@ fn homophily_is_the_factor_against_the_difference_in_rating() {
 fn one_of_six_preferred_the_faster_car_and_one_the_slower() {
     let a = analysed(tables());
     let trust = &a.preferences[0];
-    let [fast, slow] = &trust.others[..] else {
-        panic!("two conditions away from 0")
-    };
+    let [fast, slow] = &trust.others[..] else { panic!("two conditions away from 0") };
     assert_eq!((trust.n, fast.above, slow.above), (6, 1, 1));
     // P1 rates both alike.
     assert_eq!(slow.not_below, 2);
@@ -140,10 +129,7 @@ fn where_less_is_better_the_lower_score_is_preferred() {
     let a = analysed(with);
     let distrust = &a.preferences[0];
     // All but P2 score the faster car lower.
-    assert_eq!(
-        (distrust.less_is_better, distrust.others[0].above),
-        (true, 5)
-    );
+    assert_eq!((distrust.less_is_better, distrust.others[0].above), (true, 5));
     assert_eq!(panel(&a, "jian_trust.overall").unit, "rating, 1 to 7");
 }
 
@@ -170,9 +156,7 @@ fn habits_that_aggression_leaves_alone_are_held_against_the_angle_of_the_move() 
     let change = |i: usize| 3.0 + 2.0 * angle(i).cos() - angle(i).sin() + off(i);
     let mut moved = tables();
     for drive in &mut moved.measurements {
-        let i = (0..6)
-            .find(|i| person(*i) == drive.meta.participant)
-            .unwrap();
+        let i = (0..6).find(|i| person(*i) == drive.meta.participant).unwrap();
         let room = match drive.meta.condition.as_str() {
             "own" => 40.0 - 2.0 * i as f64,
             "same" => 30.0,
@@ -181,9 +165,7 @@ fn habits_that_aggression_leaves_alone_are_held_against_the_angle_of_the_move() 
         };
         drive.values.insert(ROOM.to_owned(), Some(room));
     }
-    moved.conditions = (0..6)
-        .map(|i| steered(i, "across", Some(angle(i)), false))
-        .collect();
+    moved.conditions = (0..6).map(|i| steered(i, "across", Some(angle(i)), false)).collect();
     let a = analysed(moved);
     let kept = a.kept.iter().find(|k| k.measure == ROOM).unwrap();
     assert_eq!((kept.across, kept.from), (id("across"), id("same")));
@@ -199,10 +181,6 @@ fn habits_that_aggression_leaves_alone_are_held_against_the_angle_of_the_move() 
     near(Some(second.0), 0.6);
     near(Some(second.1), change(1));
     // Nobody's share of time on the left was measured.
-    let left = a
-        .kept
-        .iter()
-        .find(|k| k.measure == "left_lane_fraction")
-        .unwrap();
+    let left = a.kept.iter().find(|k| k.measure == "left_lane_fraction").unwrap();
     assert!(left.circular_p_holm.is_none() && left.points.is_empty());
 }

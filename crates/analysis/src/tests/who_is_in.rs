@@ -24,12 +24,8 @@ fn whoever_lacks_a_value_is_left_out_and_named() {
 fn whoever_has_nothing_in_a_condition_is_named_and_their_accuracy_is_not_said_to_lack_a_value() {
     let mut tables = tables();
     let fast = id("fast");
-    tables
-        .measurements
-        .retain(|d| d.meta.drive.as_str() != "P4-fast");
-    tables
-        .post
-        .retain(|s| s.participant != person(3) || s.moment != Moment::after(fast));
+    tables.measurements.retain(|d| d.meta.drive.as_str() != "P4-fast");
+    tables.post.retain(|s| s.participant != person(3) || s.moment != Moment::after(fast));
     // A baseline of zero has no accuracy.
     for drive in &mut tables.measurements {
         if drive.meta.drive.as_str() == "P6-own" {
@@ -41,12 +37,7 @@ fn whoever_has_nothing_in_a_condition_is_named_and_their_accuracy_is_not_said_to
     let accuracy = a.exclusions.iter();
     let accuracy = accuracy.filter(|e| e.what == "accuracy of mean velocity in same");
     let said: Vec<(&str, bool)> = accuracy
-        .map(|e| {
-            (
-                e.who.as_str(),
-                e.why == "not in the comparison of mean velocity",
-            )
-        })
+        .map(|e| (e.who.as_str(), e.why == "not in the comparison of mean velocity"))
         .collect();
     assert_eq!(said, [("1 participant", true), ("1 participant", false)]);
 }
@@ -56,11 +47,7 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
     let mut with = tables();
     with.people = (0..7).map(|i| listed(i, false, &[])).collect();
     for drive in &with.measurements {
-        let seconds = if drive.meta.drive.as_str() == "P5-slow" {
-            100.0
-        } else {
-            600.0
-        };
+        let seconds = if drive.meta.drive.as_str() == "P5-slow" { 100.0 } else { 600.0 };
         with.durations_s.insert(drive.meta.drive.clone(), seconds);
     }
     with.measurements
@@ -72,20 +59,13 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
     assert_eq!(a.flow.recruited, 7);
     assert_eq!((a.flow.drove, a.flow.analysed), (6, 5));
     assert_eq!(a.flow.absent, ["P7"]);
-    let why: Vec<(&str, &[String])> = a
-        .flow
-        .left_out
-        .iter()
-        .map(|l| (l.why.as_str(), &l.who[..]))
-        .collect();
+    let why: Vec<(&str, &[String])> =
+        a.flow.left_out.iter().map(|l| (l.why.as_str(), &l.who[..])).collect();
     assert_eq!(
         why,
         [
             ("withdrew consent", &["P1".to_owned()][..]),
-            (
-                "no drive and no answer in any condition",
-                &["P7".to_owned()][..]
-            ),
+            ("no drive and no answer in any condition", &["P7".to_owned()][..]),
         ]
     );
     let drives: Vec<&str> = a.flow.drives.iter().map(|l| l.why.as_str()).collect();
@@ -100,8 +80,7 @@ fn whoever_is_excluded_is_out_of_everything_and_counted_with_the_reason() {
 #[test]
 fn whoever_never_drove_is_absent_whatever_else_leaves_them_out() {
     let mut with = with_people(AGES);
-    with.people
-        .extend([listed(6, false, &[]), listed(7, false, &[])]);
+    with.people.extend([listed(6, false, &[]), listed(7, false, &[])]);
     let rules = "[exclude]\npeople = { P1 = \"withdrew consent\", P7 = \"fell ill\" }\n";
     let a = analysed_by(&plain(&["same", "fast", "slow"], rules), with);
     assert_eq!(a.flow.absent, ["P7", "P8"]);
@@ -109,11 +88,7 @@ fn whoever_never_drove_is_absent_whatever_else_leaves_them_out() {
     let out: Vec<(&str, usize)> = out.map(|l| (l.why.as_str(), l.who.len())).collect();
     assert_eq!(
         out,
-        [
-            ("fell ill", 1),
-            ("withdrew consent", 1),
-            ("no drive and no answer in any condition", 1)
-        ]
+        [("fell ill", 1), ("withdrew consent", 1), ("no drive and no answer in any condition", 1)]
     );
     let counts = (a.flow.recruited, a.flow.drove, a.flow.analysed);
     assert_eq!(counts, (8, 6, 5));
@@ -124,8 +99,7 @@ fn whoever_has_no_baseline_drive_or_answered_nothing_is_named() {
     let whole = analysed(tables());
     assert!(whole.without_baseline.is_empty() && whole.without_answer.is_empty());
     let mut some = tables();
-    some.measurements
-        .retain(|d| d.meta.drive.as_str() != "P4-own");
+    some.measurements.retain(|d| d.meta.drive.as_str() != "P4-own");
     some.post.retain(|s| s.participant.as_str() != "P5");
     let a = analysed(some);
     assert_eq!(a.without_baseline, ["P4"]);
@@ -151,9 +125,7 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
     let of = |driven: bool, rated: bool| {
         let mut tables = tables();
         let across = id("across");
-        tables
-            .measurements
-            .retain(|d| driven || d.meta.condition != across);
+        tables.measurements.retain(|d| driven || d.meta.condition != across);
         let after = Moment::after(across);
         tables.post.retain(|s| rated || s.moment != after);
         StudyData::new(&design, tables).map(|_| ())
@@ -163,11 +135,9 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
     }
     // One person's rating is enough.
     let mut once = tables();
-    once.measurements
-        .retain(|d| d.meta.condition != id("across"));
+    once.measurements.retain(|d| d.meta.condition != id("across"));
     let after = Moment::after(id("across"));
-    once.post
-        .retain(|s| s.moment != after || s.participant == person(0));
+    once.post.retain(|s| s.moment != after || s.participant == person(0));
     assert!(StudyData::new(&design, once).is_ok());
     assert!(matches!(
         of(false, false),
@@ -179,8 +149,7 @@ fn a_condition_is_there_if_it_was_driven_or_rated_and_refused_if_it_was_neither(
 fn whoever_is_learned_from_or_drove_nothing_of_the_study_takes_no_part() {
     let mut with = with_people(AGES);
     // P7 is learned from and drove the baseline; P8 is to be tested and drove something else.
-    with.people
-        .extend([listed(6, true, &[]), listed(7, false, &[])]);
+    with.people.extend([listed(6, true, &[]), listed(7, false, &[])]);
     with.measurements.push(drive_of(6, "own", Some(30.0)));
     with.measurements.push(drive_of(7, "elsewhere", Some(30.0)));
     let a = analysed(with);
@@ -191,8 +160,7 @@ fn whoever_is_learned_from_or_drove_nothing_of_the_study_takes_no_part() {
 #[test]
 fn what_cannot_be_analysed_is_refused_by_name() {
     let mut two = tables();
-    two.measurements
-        .retain(|d| ["P1", "P2"].contains(&d.meta.participant.as_str()));
+    two.measurements.retain(|d| ["P1", "P2"].contains(&d.meta.participant.as_str()));
     two.post.clear();
     let error = StudyData::new(&design(DESIGN), two).unwrap_err();
     assert!(matches!(error, AnalysisError::TooFewPeople { found: 2 }));
@@ -200,18 +168,12 @@ fn what_cannot_be_analysed_is_refused_by_name() {
     assert!(error.to_string().contains("`sporty`"), "{error}");
     for (factor, said) in [
         ("mdsi", "the scale `mdsi`, which nobody answered"),
-        (
-            "mini_ipip.pace",
-            "the factors of mini_ipip are conscientiousness",
-        ),
+        ("mini_ipip.pace", "the factors of mini_ipip are conscientiousness"),
     ] {
         let text = DESIGN.replace("\"mini_ipip\"", &format!("\"{factor}\""));
         let data = StudyData::new(&design(&text), tables()).unwrap();
         let error = analyse(&data, Purpose::Report).unwrap_err();
-        assert!(
-            error.to_string().contains(said) && error.suggestion().is_some(),
-            "{error}"
-        );
+        assert!(error.to_string().contains(said) && error.suggestion().is_some(), "{error}");
     }
 }
 

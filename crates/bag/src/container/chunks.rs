@@ -26,10 +26,7 @@ impl<R: Read + Seek> Walker<'_, R> {
         let certain = body + head.as_ref().map_or(0, chunk::Head::length);
         self.resume = certain;
         if opcode != op::CHUNK {
-            self.damaged(
-                offset,
-                &format!("record {opcode:#04x} is a chunk by its content"),
-            )?;
+            self.damaged(offset, &format!("record {opcode:#04x} is a chunk by its content"))?;
         }
         if outer == inner && length <= left {
             let whole = self.chunk(offset, length, false, visitor)?;

@@ -11,11 +11,7 @@ fn field(name: &str, number: i32, ty: Type, of: &str, list: bool) -> FieldDescri
         number: Some(number),
         r#type: Some(ty as i32),
         type_name: (!of.is_empty()).then(|| of.to_owned()),
-        label: Some(if list {
-            Label::Repeated
-        } else {
-            Label::Optional
-        } as i32),
+        label: Some(if list { Label::Repeated } else { Label::Optional } as i32),
         ..FieldDescriptorProto::default()
     }
 }
@@ -59,8 +55,7 @@ fn numbers_are_taken_and_those_left_out_are_zero() {
     message.extend([0x0a, 3, 0x1a, 1, b'x', 0x15]);
     message.extend(2.5_f32.to_le_bytes());
     let mut rows = Vec::new();
-    plan.run(&message, &mut Vec::new(), &mut |r| rows.push(r.to_vec()))
-        .unwrap();
+    plan.run(&message, &mut Vec::new(), &mut |r| rows.push(r.to_vec())).unwrap();
     assert_eq!(rows[0], [2.5, 0.0, -2.0, 1.5]);
     assert_eq!(rows[1][..3], [2.5, 0.0, 0.0]);
     assert!(rows[1][3].is_nan());
@@ -80,11 +75,7 @@ fn bad_bytes_an_unknown_type_and_a_missing_field_are_refused() {
     let mut unknown = schema();
     let at = unknown.len() - "proto3".len();
     unknown[at..].copy_from_slice(b"[[[pro");
-    assert!(
-        Plan::compile("p.Scene", &unknown, &["speed"])
-            .unwrap_err()
-            .contains("damaged")
-    );
+    assert!(Plan::compile("p.Scene", &unknown, &["speed"]).unwrap_err().contains("damaged"));
 }
 
 /// A message of one field of each kind of number, by its field number.
@@ -93,29 +84,14 @@ fn every_kind_of_number_is_read_plain_packed_and_by_its_place() {
     let kinds = [
         (Type::Double, 1_u8, (-1.5_f64).to_le_bytes().to_vec(), -1.5),
         (Type::Float, 5, (-2.5_f32).to_le_bytes().to_vec(), -2.5),
-        (
-            Type::Fixed64,
-            1,
-            (1_u64 << 63).to_le_bytes().to_vec(),
-            9_223_372_036_854_775_808.0,
-        ),
+        (Type::Fixed64, 1, (1_u64 << 63).to_le_bytes().to_vec(), 9_223_372_036_854_775_808.0),
         (Type::Sfixed64, 1, (-3_i64).to_le_bytes().to_vec(), -3.0),
-        (
-            Type::Fixed32,
-            5,
-            u32::MAX.to_le_bytes().to_vec(),
-            4_294_967_295.0,
-        ),
+        (Type::Fixed32, 5, u32::MAX.to_le_bytes().to_vec(), 4_294_967_295.0),
         (Type::Sfixed32, 5, (-4_i32).to_le_bytes().to_vec(), -4.0),
         (Type::Int32, 0, [&[0xff; 9][..], &[1]].concat(), -1.0),
         (Type::Int64, 0, vec![0xac, 0x02], 300.0),
         (Type::Uint32, 0, vec![0xac, 0x02], 300.0),
-        (
-            Type::Uint64,
-            0,
-            [&[0xff; 9][..], &[1]].concat(),
-            18_446_744_073_709_551_615.0,
-        ),
+        (Type::Uint64, 0, [&[0xff; 9][..], &[1]].concat(), 18_446_744_073_709_551_615.0),
         (Type::Sint32, 0, vec![3], -2.0),
         (Type::Sint64, 0, vec![4], 2.0),
         (Type::Bool, 0, vec![1], 1.0),
@@ -139,24 +115,15 @@ fn every_kind_of_number_is_read_plain_packed_and_by_its_place() {
     let schema = FileDescriptorSet { file: vec![file] }.encode_to_vec();
     let key = |number: u64, kind: u8| {
         let key = number << 3 | u64::from(kind);
-        if key < 0x80 {
-            vec![key as u8]
-        } else {
-            vec![key as u8 | 0x80, (key >> 7) as u8]
-        }
+        if key < 0x80 { vec![key as u8] } else { vec![key as u8 | 0x80, (key >> 7) as u8] }
     };
     for (i, (ty, kind, bytes, value)) in (1_u64..).zip(&kinds) {
-        let wanted = [
-            format!("one{i}"),
-            format!("list{i}[0]?"),
-            format!("list{i}[2]?"),
-        ];
+        let wanted = [format!("one{i}"), format!("list{i}[0]?"), format!("list{i}[2]?")];
         let wanted: Vec<&str> = wanted.iter().map(String::as_str).collect();
         let plan = Plan::compile("p.All", &schema, &wanted).unwrap();
         let run = |message: &[u8]| {
             let mut row = Vec::new();
-            plan.run(message, &mut row, &mut |_| panic!("no rows"))
-                .map(|()| row)
+            plan.run(message, &mut row, &mut |_| panic!("no rows")).map(|()| row)
         };
         let one = [key(i, *kind), bytes.clone()].concat();
         let element = [key(i + 50, *kind), bytes.clone()].concat();
@@ -164,16 +131,8 @@ fn every_kind_of_number_is_read_plain_packed_and_by_its_place() {
         let found = run(&one).unwrap();
         assert_eq!(found[0].to_bits(), f64::to_bits(*value), "{ty:?}");
         assert!(found[1].is_nan() && found[2].is_nan());
-        assert_eq!(
-            run(&packed).unwrap(),
-            [0.0, *value, *value],
-            "{ty:?} packed"
-        );
-        assert_eq!(
-            run(&element.repeat(3)).unwrap(),
-            [0.0, *value, *value],
-            "{ty:?} apart"
-        );
+        assert_eq!(run(&packed).unwrap(), [0.0, *value, *value], "{ty:?} packed");
+        assert_eq!(run(&element.repeat(3)).unwrap(), [0.0, *value, *value], "{ty:?} apart");
         assert!(run(&element.repeat(2)).unwrap()[2].is_nan());
         // Another kind of bytes than the number's.
         let other = if *kind == 0 { 5 } else { 0 };
@@ -192,16 +151,10 @@ fn elements_are_taken_by_their_place_names_as_numbers_and_the_rest_as_rows() {
         car.extend(size.to_le_bytes());
         [vec![0x0a, car.len() as u8], car].concat()
     };
-    let message = [
-        car(6, b'x', 1.0),
-        car(8, b'y', 2.0),
-        car(10, b'z', 3.0),
-        car(12, b'z', 4.0),
-    ]
-    .concat();
+    let message =
+        [car(6, b'x', 1.0), car(8, b'y', 2.0), car(10, b'z', 3.0), car(12, b'z', 4.0)].concat();
     let mut rows = Vec::new();
-    plan.run(&message, &mut Vec::new(), &mut |r| rows.push(r.to_vec()))
-        .unwrap();
+    plan.run(&message, &mut Vec::new(), &mut |r| rows.push(r.to_vec())).unwrap();
     let y = name_number(b"y");
     assert_eq!(rows, [[3.0, y, 3.0], [3.0, y, 4.0]]);
     // A text is no number, and neither is a message.

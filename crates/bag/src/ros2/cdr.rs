@@ -73,11 +73,7 @@ pub(crate) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Takes the bytes behind the encapsulation.
     pub(crate) fn new(bytes: &'a [u8], layout: Layout) -> Self {
-        Self {
-            bytes,
-            at: 0,
-            layout,
-        }
+        Self { bytes, at: 0, layout }
     }
 
     /// Bytes not read yet.
@@ -207,9 +203,7 @@ impl Writer {
 
     /// An empty message.
     pub fn new() -> Self {
-        Self {
-            bytes: vec![0, 1, 0, 0],
-        }
+        Self { bytes: vec![0, 1, 0, 0] }
     }
 
     /// The message; the writer starts anew with the same memory.
@@ -316,9 +310,6 @@ mod tests {
         let claimed = short.count().unwrap();
         assert_eq!(short.numbers(8, claimed), Err(CdrError::End));
         assert_eq!(short.numbers(8, u64::MAX), Err(CdrError::End));
-        assert_eq!(
-            reader(&[0, 9, 0, 0, 9, 0, 0, 0]).delimiter(),
-            Err(CdrError::End)
-        );
+        assert_eq!(reader(&[0, 9, 0, 0, 9, 0, 0, 0]).delimiter(), Err(CdrError::End));
     }
 }

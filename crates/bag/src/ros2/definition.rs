@@ -137,11 +137,7 @@ pub(crate) fn parse(root: &str, text: &str, dialect: Dialect) -> Result<Definiti
 
 /// Types that some writers take for granted.
 fn add_well_known(types: &mut BTreeMap<String, Vec<Field>>) {
-    let field = |name: &str, base: Base| Field {
-        name: name.to_owned(),
-        base,
-        count: Count::One,
-    };
+    let field = |name: &str, base: Base| Field { name: name.to_owned(), base, count: Count::One };
     let time = || {
         vec![
             field("sec", Base::Primitive(Primitive::I32)),
@@ -171,14 +167,9 @@ fn parse_line(line: &str, inside: &str, dialect: Dialect) -> Result<Option<Field
         let line: String = line.chars().take(80).collect();
         format!("line `{line}` of `{inside}` in its schema cannot be read")
     };
-    let name = tokens
-        .next()
-        .filter(|n| !n.starts_with('#'))
-        .ok_or_else(unreadable)?;
+    let name = tokens.next().filter(|n| !n.starts_with('#')).ok_or_else(unreadable)?;
     // A comment may follow a name without a blank between them.
-    let (name, comment) = name
-        .split_once('#')
-        .map_or((name, false), |(n, _)| (n, true));
+    let (name, comment) = name.split_once('#').map_or((name, false), |(n, _)| (n, true));
     if name.contains('=') || !comment && tokens.next().is_some_and(|t| t.starts_with('=')) {
         return Ok(None);
     }
@@ -194,9 +185,7 @@ fn parse_line(line: &str, inside: &str, dialect: Dialect) -> Result<Option<Field
             (element, Count::Fixed(n))
         }
     };
-    let (element, bounded) = element
-        .split_once("<=")
-        .map_or((element, false), |(e, _)| (e, true));
+    let (element, bounded) = element.split_once("<=").map_or((element, false), |(e, _)| (e, true));
     let base = match element {
         "string" => Base::String,
         "wstring" => Base::WideString,
@@ -205,11 +194,7 @@ fn parse_line(line: &str, inside: &str, dialect: Dialect) -> Result<Option<Field
         _ if bounded || element.contains(['[', ']', '<', '>']) => return Err(unreadable()),
         _ => named(element, dialect),
     };
-    Ok(Some(Field {
-        name: name.to_owned(),
-        base,
-        count,
-    }))
+    Ok(Some(Field { name: name.to_owned(), base, count }))
 }
 
 fn named(element: &str, dialect: Dialect) -> Base {
@@ -230,10 +215,7 @@ fn resolve_names(types: &mut BTreeMap<String, Vec<Field>>) -> Result<(), String>
     let mut by_last: BTreeMap<&str, Option<&String>> = BTreeMap::new();
     for full in &known {
         let last = full.rsplit('/').next().unwrap_or_default();
-        by_last
-            .entry(last)
-            .and_modify(|only| *only = None)
-            .or_insert(Some(full));
+        by_last.entry(last).and_modify(|only| *only = None).or_insert(Some(full));
     }
     let resolve = |name: &str, inside: &str| -> Option<String> {
         let exact = |full: &str| known.get(full).cloned();
@@ -269,10 +251,7 @@ mod tests {
         assert_eq!(found.root, "p/A");
         let fields = &found.types["p/A"];
         let counts: Vec<Count> = fields.iter().map(|f| f.count).collect();
-        assert_eq!(
-            counts,
-            [Count::One, Count::Any, Count::Fixed(2), Count::Any]
-        );
+        assert_eq!(counts, [Count::One, Count::Any, Count::Fixed(2), Count::Any]);
         assert_eq!(fields[2].base, Base::Message("p/B".to_owned()));
         assert_eq!(found.types["p/B"].len(), 1);
     }
@@ -373,26 +352,13 @@ mod tests {
             "float64 #x",
         ] {
             let error = parse("p/A", line, Dialect::Ros2).unwrap_err();
-            assert_eq!(
-                error,
-                format!("line `{line}` of `p/A` in its schema cannot be read")
-            );
+            assert_eq!(error, format!("line `{line}` of `p/A` in its schema cannot be read"));
         }
         let long = format!("float64 {}", "-".repeat(200));
         let error = parse("p/A", &long, Dialect::Ros2).unwrap_err();
         assert!(error.contains(&format!("`{}`", &long[..80])), "{error}");
-        for line in [
-            "# x",
-            "",
-            "float64 x#y",
-            "float64 x #y",
-            "int32 B = 2 # x",
-            "string S=a b",
-        ] {
-            assert!(
-                parse("p/A", &format!("uint8 z\n{line}"), Dialect::Ros2).is_ok(),
-                "{line}"
-            );
+        for line in ["# x", "", "float64 x#y", "float64 x #y", "int32 B = 2 # x", "string S=a b"] {
+            assert!(parse("p/A", &format!("uint8 z\n{line}"), Dialect::Ros2).is_ok(), "{line}");
         }
         assert!(parse("p/Empty", "", Dialect::Ros2).unwrap().types["p/Empty"].is_empty());
     }
@@ -411,14 +377,8 @@ mod tests {
         let of =
             |text: &str| parse("p/A", text, Dialect::Ros2).map(|d| d.types["p/A"][0].base.clone());
         let message = |name: &str| Ok(Base::Message(name.to_owned()));
-        assert_eq!(
-            of(&format!("B b\n{}{}", other("q"), other("p"))),
-            message("p/B")
-        );
-        assert_eq!(
-            of(&format!("B b\n{}{}", other("q"), other("std_msgs"))),
-            message("std_msgs/B")
-        );
+        assert_eq!(of(&format!("B b\n{}{}", other("q"), other("p"))), message("p/B"));
+        assert_eq!(of(&format!("B b\n{}{}", other("q"), other("std_msgs"))), message("std_msgs/B"));
         assert_eq!(of(&format!("B b\n{}", other("q"))), message("q/B"));
         let error = of(&format!("B b\n{}{}", other("q"), other("r"))).unwrap_err();
         assert_eq!(error, "type `B` in `p/A` is not in its schema");

@@ -76,13 +76,7 @@ impl Plan {
             Dialect::Ros1 => Vec::new(),
             Dialect::Ros2 => compile(true)?,
         };
-        Ok(Self {
-            wide: plain.iter().any(wide),
-            plain,
-            delimited,
-            slots: wanted.len(),
-            dialect,
-        })
+        Ok(Self { wide: plain.iter().any(wide), plain, delimited, slots: wanted.len(), dialect })
     }
 
     /// Walks a message: `row` is filled, and given to `each` for every element of the wanted sequence.
@@ -104,11 +98,7 @@ impl Plan {
                 (bytes, Layout::declared(*head)?)
             }
         };
-        let layout = if self.wide {
-            self.as_wide_as_fits(bytes, layout, row)
-        } else {
-            layout
-        };
+        let layout = if self.wide { self.as_wide_as_fits(bytes, layout, row) } else { layout };
         self.run_as(bytes, layout, row, each)
     }
 
@@ -122,11 +112,7 @@ impl Plan {
         row.clear();
         row.resize(self.slots, f64::NAN);
         let mut reader = Reader::new(bytes, layout);
-        let steps = if layout.delimited_structures {
-            &self.delimited
-        } else {
-            &self.plain
-        };
+        let steps = if layout.delimited_structures { &self.delimited } else { &self.plain };
         walk(steps, &mut reader, row, each)?;
         Ok(reader.remaining())
     }
@@ -136,12 +122,8 @@ impl Plan {
     fn as_wide_as_fits(&self, bytes: &[u8], layout: Layout, row: &mut Vec<f64>) -> Layout {
         let both = [layout, Layout { wide: 2, ..layout }];
         let left = both.map(|layout| self.run_as(bytes, layout, row, &mut |_| {}).ok());
-        let whole = left
-            .iter()
-            .position(|left| left.is_some_and(|n| n <= MOST_PADDING));
-        both[whole
-            .or_else(|| left.iter().position(Option::is_some))
-            .unwrap_or(0)]
+        let whole = left.iter().position(|left| left.is_some_and(|n| n <= MOST_PADDING));
+        both[whole.or_else(|| left.iter().position(Option::is_some)).unwrap_or(0)]
     }
 }
 
@@ -216,11 +198,7 @@ impl Compiler<'_> {
             };
             self.field(field, &path, depth, &mut steps)?;
         }
-        Ok(if self.structures {
-            vec![Step::Structure(steps)]
-        } else {
-            steps
-        })
+        Ok(if self.structures { vec![Step::Structure(steps)] } else { steps })
     }
 
     fn field(
@@ -243,11 +221,7 @@ impl Compiler<'_> {
             (Base::Primitive(p), count) => {
                 let wanted = self.elements(path);
                 match (wanted.is_empty(), count) {
-                    (false, _) => steps.push(Step::TakeSome {
-                        primitive: *p,
-                        fixed,
-                        wanted,
-                    }),
+                    (false, _) => steps.push(Step::TakeSome { primitive: *p, fixed, wanted }),
                     (true, Count::Fixed(n)) => push(steps, *p, n, None),
                     (true, _) => steps.push(Step::SkipSequence { size: p.size() }),
                 }
@@ -257,18 +231,13 @@ impl Compiler<'_> {
                 None => Step::SkipString,
             }),
             (Base::String | Base::WideString, count) => {
-                let step = if field.base == Base::String {
-                    Step::SkipString
-                } else {
-                    Step::SkipWide
-                };
+                let step =
+                    if field.base == Base::String { Step::SkipString } else { Step::SkipWide };
                 steps.push(match count {
                     Count::One => step,
-                    Count::Fixed(_) | Count::Any => Step::Repeat {
-                        fixed,
-                        body: vec![step],
-                        first: None,
-                    },
+                    Count::Fixed(_) | Count::Any => {
+                        Step::Repeat { fixed, body: vec![step], first: None }
+                    }
                 });
             }
             (Base::Message(name), Count::One) => {
@@ -286,9 +255,8 @@ impl Compiler<'_> {
             (Base::Message(name), count) => {
                 let before = self.found.clone();
                 let body = self.message(name, &format!("{path}[]"), depth + 1)?;
-                let slots: Vec<usize> = (0..before.len())
-                    .filter(|&i| self.found[i] && !before[i])
-                    .collect();
+                let slots: Vec<usize> =
+                    (0..before.len()).filter(|&i| self.found[i] && !before[i]).collect();
                 if count == Count::Any && !slots.is_empty() {
                     steps.push(Step::Rows { body, slots });
                     return Ok(());
@@ -316,10 +284,7 @@ impl Compiler<'_> {
 
     fn wants_within(&self, path: &str) -> bool {
         let mut paths = self.wanted.iter().flat_map(|w| wanted::alternatives(w));
-        paths.any(|w| {
-            w.strip_prefix(path)
-                .is_some_and(|rest| rest.starts_with('.'))
-        })
+        paths.any(|w| w.strip_prefix(path).is_some_and(|rest| rest.starts_with('.')))
     }
 
     /// The wanted elements of a sequence of numbers.

@@ -8,11 +8,7 @@ pub(super) enum Step {
     /// Numbers one after another, of known places.
     Block(Block),
     /// Put some numbers of an array or a sequence into slots: `(index, slot)`.
-    TakeSome {
-        primitive: Primitive,
-        fixed: Option<u64>,
-        wanted: Vec<(u64, usize)>,
-    },
+    TakeSome { primitive: Primitive, fixed: Option<u64>, wanted: Vec<(u64, usize)> },
     /// Pass over a string.
     SkipString,
     /// Put a name into a slot, as [`wanted::name_number`].
@@ -23,11 +19,7 @@ pub(super) enum Step {
     SkipSequence { size: u8 },
     /// Pass over an array (`fixed`) or a sequence of what `body` describes; with `first`, the first element's numbers
     /// are taken.
-    Repeat {
-        fixed: Option<u64>,
-        body: Vec<Self>,
-        first: Option<Vec<Self>>,
-    },
+    Repeat { fixed: Option<u64>, body: Vec<Self>, first: Option<Vec<Self>> },
     /// A sequence each of whose elements gives a row; `slots` are emptied before each.
     Rows { body: Vec<Self>, slots: Vec<usize> },
     /// A structure that may start with its size.
@@ -58,10 +50,7 @@ pub(super) struct Places {
 impl Block {
     /// A block of one run: what its numbers are, how many, and the slot of a wanted one.
     pub(super) fn from_run(run: (Primitive, u64, Option<usize>)) -> Self {
-        Self {
-            runs: vec![run],
-            ..Self::default()
-        }
+        Self { runs: vec![run], ..Self::default() }
     }
 
     /// The places for a block that starts at `at`.
@@ -79,9 +68,7 @@ impl Block {
     /// A sentence where they do not fit into a message.
     pub(super) fn settle(&mut self) -> Result<(), String> {
         let by_start = |most_align: usize| -> Result<Vec<Places>, String> {
-            (0..most_align)
-                .map(|start| self.lay_out(start, most_align))
-                .collect()
+            (0..most_align).map(|start| self.lay_out(start, most_align)).collect()
         };
         (self.by_eight, self.by_four, self.packed) = (by_start(8)?, by_start(4)?, by_start(1)?);
         self.runs = Vec::new();
@@ -103,9 +90,6 @@ impl Block {
                 return Err("an array in its schema is too large".to_owned());
             }
         }
-        Ok(Places {
-            length: position - start,
-            takes,
-        })
+        Ok(Places { length: position - start, takes })
     }
 }

@@ -19,11 +19,7 @@ pub(super) fn walk(
     for step in steps {
         match step {
             Step::Block(block) => take_block(block, reader, row)?,
-            Step::TakeSome {
-                primitive,
-                fixed,
-                wanted,
-            } => {
+            Step::TakeSome { primitive, fixed, wanted } => {
                 let count = fixed.map_or_else(|| reader.count(), Ok)?;
                 let size = primitive.size();
                 let bytes = reader.numbers(size, count)?;
@@ -104,9 +100,7 @@ pub(super) fn walk(
 }
 
 fn take_block(block: &Block, reader: &mut Reader<'_>, row: &mut [f64]) -> Result<(), CdrError> {
-    let places = block
-        .places(reader.at(), reader.layout.most_align)
-        .ok_or(CdrError::End)?;
+    let places = block.places(reader.at(), reader.layout.most_align).ok_or(CdrError::End)?;
     let bytes = reader.block(places.length)?;
     let big_endian = reader.layout.big_endian;
     for &(offset, primitive, slot) in &places.takes {
@@ -128,9 +122,5 @@ fn within_collection<'a>(
     }
     let end = reader.delimiter()?;
     read(reader)?;
-    if reader.at() == end {
-        Ok(())
-    } else {
-        Err(CdrError::End)
-    }
+    if reader.at() == end { Ok(()) } else { Err(CdrError::End) }
 }

@@ -45,16 +45,8 @@ const END: (Option<usize>, Option<usize>) = (Some(ALL - 1), None);
 #[test]
 fn a_whole_recording_gives_every_record_and_no_damage() {
     is_told(&bare(WriteOptions::new()), &all(), &[]);
-    for (compression, chunked) in PACKINGS
-        .map(|p| (p, true))
-        .into_iter()
-        .chain([(None, false)])
-    {
-        let bytes = recorded(
-            WriteOptions::new()
-                .compression(compression)
-                .use_chunks(chunked),
-        );
+    for (compression, chunked) in PACKINGS.map(|p| (p, true)).into_iter().chain([(None, false)]) {
+        let bytes = recorded(WriteOptions::new().compression(compression).use_chunks(chunked));
         is_told(&bytes, &all(), &[]);
         let (notes, _) = recovered(&bytes);
         assert_eq!(notes.headers, [("lab".to_owned(), "tests".to_owned())]);
@@ -94,10 +86,7 @@ fn a_chunk_of_wrong_checksum_or_bytes_is_left_out() {
     let (notes, walked) = recovered(&bytes);
     assert_eq!(notes.messages, without(1));
     let what = &walked.damage[0].what;
-    assert!(
-        what.starts_with("a chunk is left out: it cannot be unpacked ("),
-        "{what}"
-    );
+    assert!(what.starts_with("a chunk is left out: it cannot be unpacked ("), "{what}");
 }
 
 #[test]
@@ -108,11 +97,7 @@ fn a_wrong_size_or_name_costs_nothing_where_a_checksum_or_all_sizes_prove_the_me
         let log = packed(compression);
         let (start, _) = chunks(&log)[2];
         // What it unpacks to.
-        is_told(
-            &flipped(&log, start + 9 + 16, 4),
-            &all(),
-            &[(start, wrong, kept(2))],
-        );
+        is_told(&flipped(&log, start + 9 + 16, 4), &all(), &[(start, wrong, kept(2))]);
     }
     // What it is packed into: the length of the record is believed, behind which records go on.
     let log = packed(Some(Compression::Zstd));
@@ -121,35 +106,19 @@ fn a_wrong_size_or_name_costs_nothing_where_a_checksum_or_all_sizes_prove_the_me
     for at in [start + 1, start + 9 + 36] {
         let told: &[Told<'_>] = &[(start, lengths, around(1)), (start, wrong, kept(2))];
         let told = [(start, lengths, (Some(19), Some(20))), told[1]];
-        let told = if at == start + 1 {
-            &told[..1]
-        } else {
-            &told[..]
-        };
+        let told = if at == start + 1 { &told[..1] } else { &told[..] };
         is_told(&flipped(&log, at, 1), &all(), told);
     }
     // A name that is none: the first bytes tell the packing.
-    is_told(
-        &flipped(&log, start + 9 + 32, 1),
-        &all(),
-        &[(start, wrong, kept(2))],
-    );
+    is_told(&flipped(&log, start + 9 + 32, 1), &all(), &[(start, wrong, kept(2))]);
     let lz4 = packed(Some(Compression::Lz4));
     let (at, _) = chunks(&lz4)[2];
-    is_told(
-        &flipped(&lz4, at + 9 + 32, 1),
-        &all(),
-        &[(at, wrong, kept(2))],
-    );
+    is_told(&flipped(&lz4, at + 9 + 32, 1), &all(), &[(at, wrong, kept(2))]);
     // Without a checksum the sizes have to fit.
     let log = bare(WriteOptions::new());
     let (start, _) = chunks(&log)[2];
     let what = "a chunk is left out: it does not unpack to the size that it claims";
-    is_told(
-        &flipped(&log, start + 9 + 16, 4),
-        &without(2),
-        &[(start, what, around(2))],
-    );
+    is_told(&flipped(&log, start + 9 + 16, 4), &without(2), &[(start, what, around(2))]);
 }
 
 #[test]
@@ -158,10 +127,7 @@ fn the_length_that_is_followed_by_records_is_believed() {
     let (start, end) = chunks(&log)[1];
     let length = end - start - 9;
     for claimed in [1_u64 << 62, 1 << 24] {
-        let what = format!(
-            "a chunk claims {claimed} bytes, {} left",
-            log.len() - start - 9
-        );
+        let what = format!("a chunk claims {claimed} bytes, {} left", log.len() - start - 9);
         let damaged = with(&log, start + 1, &claimed.to_le_bytes());
         is_told(&damaged, &all(), &[(start, &what, (Some(9), Some(10)))]);
     }
@@ -175,10 +141,7 @@ fn the_length_that_is_followed_by_records_is_believed() {
     let (notes, walked) = recovered(&damaged);
     assert_eq!(notes.messages, without(1));
     let what = &walked.damage[0].what;
-    assert!(
-        what.starts_with("a chunk is left out: it cannot be unpacked"),
-        "{what}"
-    );
+    assert!(what.starts_with("a chunk is left out: it cannot be unpacked"), "{what}");
     assert_eq!(walked.damage[0].between_ns, (Some(time(9)), Some(time(20))));
 }
 
@@ -217,17 +180,10 @@ fn what_the_end_of_a_recording_says_of_the_whole_is_checked() {
     is_told(
         &flipped(&log, end + 9, 1),
         &all(),
-        &[
-            (end, data, END),
-            (footer, "the checksum of the summary does not match", END),
-        ][..1],
+        &[(end, data, END), (footer, "the checksum of the summary does not match", END)][..1],
     );
     let summary = "the checksum of the summary does not match";
-    is_told(
-        &flipped(&log, last - 1, 1),
-        &all(),
-        &[(footer, summary, END)],
-    );
+    is_told(&flipped(&log, last - 1, 1), &all(), &[(footer, summary, END)]);
     let magic = "the file does not end as an MCAP file does";
     is_told(&flipped(&log, last + 3, 1), &all(), &[(last, magic, END)]);
     is_told(&log[..last + 3], &all(), &[(last, magic, END)]);
@@ -289,33 +245,18 @@ fn a_record_that_contradicts_itself_is_passed_over_and_no_other() {
     let far = 1_u64 << 62;
     let rest = log.len() - start - 9;
     let claims = format!("record 0x05 claims {far} bytes, {rest} left");
-    is_told(
-        &with(&log, start + 1, &far.to_le_bytes()),
-        &left,
-        &[(start, &claims, hole)],
-    );
+    is_told(&with(&log, start + 1, &far.to_le_bytes()), &left, &[(start, &claims, hole)]);
     // A length within the file that reaches past its end.
     let long = log.len() as u64 - 1;
     let cut = format!("record 0x05 is cut off: {long} bytes claimed, {rest} left");
-    is_told(
-        &with(&log, start + 1, &long.to_le_bytes()),
-        &left,
-        &[(start, &cut, hole)],
-    );
+    is_told(&with(&log, start + 1, &long.to_le_bytes()), &left, &[(start, &cut, hole)]);
     let short = "record 0x05 contradicts itself";
-    is_told(
-        &with(&log, start + 1, &3_u64.to_le_bytes()),
-        &left,
-        &[(start, short, hole)],
-    );
+    is_told(&with(&log, start + 1, &3_u64.to_le_bytes()), &left, &[(start, short, hole)]);
     // Foreign bytes between two records cost none.
     let mut foreign = log.clone();
     foreign.splice(start..start, [0x77; 100]);
-    let claims = format!(
-        "record 0x77 claims {} bytes, {} left",
-        0x7777_7777_7777_7777_u64,
-        rest + 100
-    );
+    let claims =
+        format!("record 0x77 claims {} bytes, {} left", 0x7777_7777_7777_7777_u64, rest + 100);
     is_told(&foreign, &all(), &[(start, &claims, (Some(16), Some(17)))]);
     // What a declaration says of its own length.
     for (opcode, n) in [(SCHEMA, 2), (CHANNEL, 4)] {
@@ -338,11 +279,7 @@ fn records_in_a_chunk_that_cannot_be_read_are_counted_and_the_others_kept() {
     // The last one is longer than what is left of the chunk.
     let last = last_record(&log, inner, end);
     let what = "a chunk is left out: its records do not fit together";
-    is_told(
-        &flipped(&log, last + 2, 1),
-        &without(0),
-        &[(start, what, (None, Some(10)))],
-    );
+    is_told(&flipped(&log, last + 2, 1), &without(0), &[(start, what, (None, Some(10)))]);
 }
 
 #[test]
@@ -363,10 +300,7 @@ fn a_chunk_whose_compression_is_no_text_is_left_out() {
     );
     let (notes, walked) = recovered(&bytes);
     assert_eq!(notes.messages, without(0));
-    assert_eq!(
-        (walked.damage[0].at_byte, &walked.damage[0].what),
-        (start as u64, &what)
-    );
+    assert_eq!((walked.damage[0].at_byte, &walked.damage[0].what), (start as u64, &what));
 }
 
 #[test]
@@ -379,14 +313,6 @@ fn a_recording_that_starts_or_ends_as_none_does_says_so() {
     is_told(&log[..end], &all(), &[(end, cut, END)]);
     is_told(&log[..end + 8], &all(), &[(end, cut, END)]);
     is_told(&log[..8], &[], &[(8, cut, (None, None))]);
-    is_told(
-        &log[..5],
-        &[],
-        &[(0, magic, (None, None)), (8, cut, (None, None))],
-    );
-    is_told(
-        &[],
-        &[],
-        &[(0, magic, (None, None)), (8, cut, (None, None))],
-    );
+    is_told(&log[..5], &[], &[(0, magic, (None, None)), (8, cut, (None, None))]);
+    is_told(&[], &[], &[(0, magic, (None, None)), (8, cut, (None, None))]);
 }

@@ -13,10 +13,7 @@ fn costs_a_chunk_at_most(bytes: &[u8], what: &str) -> Vec<Damage> {
     let (notes, walked) = recovered(bytes);
     let times: Vec<u64> = notes.messages.iter().map(|m| m.1).collect();
     let (left, lost): (Vec<usize>, Vec<usize>) = (0..ALL).partition(|&i| times.contains(&time(i)));
-    assert!(
-        notes.messages == messages(left),
-        "{what}: {times:?} came, changed or out of order"
-    );
+    assert!(notes.messages == messages(left), "{what}: {times:?} came, changed or out of order");
     assert!(
         lost.is_empty() || lost.len() == EACH && lost[0].is_multiple_of(EACH),
         "{what}: {lost:?} are lost"
@@ -29,18 +26,10 @@ fn costs_a_chunk_at_most(bytes: &[u8], what: &str) -> Vec<Damage> {
     }
     if let Some(&first) = lost.first() {
         let hole = |d: &Damage| d.between_ns.0 == first.checked_sub(1).map(time);
-        assert!(
-            walked.damage.iter().any(hole),
-            "{what}: {:?}",
-            walked.damage
-        );
+        assert!(walked.damage.iter().any(hole), "{what}: {:?}", walked.damage);
     }
     let first = &walked.damage[0];
-    assert_eq!(
-        refusal(bytes),
-        Some((first.at_byte, first.what.clone())),
-        "{what}"
-    );
+    assert_eq!(refusal(bytes), Some((first.at_byte, first.what.clone())), "{what}");
     walked.damage
 }
 
@@ -57,21 +46,14 @@ fn a_flip_of_any_byte_is_noticed_and_costs_a_chunk_at_most() {
                 start..(start + account).min(end)
             });
         let ends = (0..8).chain(log.len() - 8..log.len());
-        let places: BTreeSet<usize> = (0..log.len())
-            .step_by(13)
-            .chain(heads)
-            .chain(ends)
-            .collect();
+        let places: BTreeSet<usize> = (0..log.len()).step_by(13).chain(heads).chain(ends).collect();
         for at in places {
             let bits = 1 << (at % 8);
             if all.iter().any(|r| r.1 == at) && log[at] ^ bits == MESSAGE {
                 // See `an_index_whose_opcode_becomes_a_message_s_gives_one_that_the_data_s_checksum_denies`.
                 continue;
             }
-            costs_a_chunk_at_most(
-                &flipped(&log, at, bits),
-                &format!("{compression:?} byte {at}"),
-            );
+            costs_a_chunk_at_most(&flipped(&log, at, bits), &format!("{compression:?} byte {at}"));
         }
     }
 }
@@ -84,11 +66,7 @@ fn zeroed_missing_and_foreign_pieces_cost_what_they_hold() {
             let mut zeroed = log.clone();
             zeroed[start..end].fill(0);
             costs_a_chunk_at_most(&zeroed, &format!("chunk at {start} zeroed"));
-            for (from, to) in [
-                (start + 60, end - 10),
-                (start + 9 + 44, end),
-                (end - 1, end),
-            ] {
+            for (from, to) in [(start + 60, end - 10), (start + 9 + 44, end), (end - 1, end)] {
                 let mut missing = log.clone();
                 missing.drain(from..to);
                 costs_a_chunk_at_most(&missing, &format!("bytes {from} to {to} missing"));
@@ -98,11 +76,7 @@ fn zeroed_missing_and_foreign_pieces_cost_what_they_hold() {
                 foreign.splice(start..start, vec![0x77; n]);
                 costs_a_chunk_at_most(&foreign, &format!("{n} foreign bytes before {start}"));
                 let (notes, _) = recovered(&foreign);
-                assert_eq!(
-                    notes.messages.len(),
-                    ALL,
-                    "{n} foreign bytes before {start}"
-                );
+                assert_eq!(notes.messages.len(), ALL, "{n} foreign bytes before {start}");
             }
         }
         let mut header = log.clone();

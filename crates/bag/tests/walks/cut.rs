@@ -15,10 +15,7 @@ fn a_recording_cut_anywhere_keeps_all_that_stands_before_and_says_where() {
         for cut in (8..log.len()).step_by(7) {
             let (notes, walked) = recovered(&log[..cut]);
             let kept = notes.messages.len();
-            assert!(
-                kept >= whole(cut) * EACH,
-                "{kept} messages of a file cut at {cut}"
-            );
+            assert!(kept >= whole(cut) * EACH, "{kept} messages of a file cut at {cut}");
             assert_eq!(notes.messages, messages(0..kept), "cut at {cut}");
             assert_eq!(walked.damage.len(), 1, "cut at {cut}: {:?}", walked.damage);
             let damage = &walked.damage[0];
@@ -28,10 +25,7 @@ fn a_recording_cut_anywhere_keeps_all_that_stands_before_and_says_where() {
             let behind = log.len() - 8;
             let at = if cut >= behind { behind } else { at.1 };
             assert_eq!(damage.at_byte, at as u64, "cut at {cut}");
-            assert_eq!(
-                refusal(&log[..cut]),
-                Some((damage.at_byte, damage.what.clone()))
-            );
+            assert_eq!(refusal(&log[..cut]), Some((damage.at_byte, damage.what.clone())));
         }
     }
 }

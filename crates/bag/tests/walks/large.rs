@@ -13,9 +13,7 @@ fn noise(i: usize) -> Heard {
     let (channel, ns, _) = message(i);
     let mut state = i as u64 + 1;
     let bytes = (0..1024).flat_map(|_| {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
         (state ^ (state >> 29)).to_le_bytes()
     });
     (channel, ns, bytes.collect())
@@ -74,10 +72,7 @@ fn a_file_is_read_alike_whether_or_not_its_chunks_are_unpacked_ahead() {
                 let (notes, walked) = by_path(&path, how).unwrap();
                 let (expected, from_memory) = recovered(bytes);
                 assert!(notes == expected, "{compression:?} case {i}");
-                assert_eq!(
-                    walked.damage, from_memory.damage,
-                    "{compression:?} case {i}"
-                );
+                assert_eq!(walked.damage, from_memory.damage, "{compression:?} case {i}");
                 let of_all = hash.then(|| blake3::hash(bytes).to_hex().to_string());
                 assert_eq!(walked.blake3, of_all, "{compression:?} case {i}");
                 if i == 0 {
@@ -96,21 +91,12 @@ fn a_short_file_is_hashed_too_and_one_that_is_not_there_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let bytes = recorded(WriteOptions::new());
     let path = on_disk(folder.path(), &bytes);
-    let how = Walk {
-        hash: true,
-        ..RECOVER
-    };
+    let how = Walk { hash: true, ..RECOVER };
     let (notes, walked) = by_path(&path, how).unwrap();
     assert_eq!(notes, recovered(&bytes).0);
-    assert_eq!(
-        walked.blake3.unwrap(),
-        blake3::hash(&bytes).to_hex().to_string()
-    );
+    assert_eq!(walked.blake3.unwrap(), blake3::hash(&bytes).to_hex().to_string());
     let none = by_path(&folder.path().join("none.mcap"), how).unwrap_err();
-    assert!(
-        none.contains("could not read") && none.contains("none.mcap"),
-        "{none}"
-    );
+    assert!(none.contains("could not read") && none.contains("none.mcap"), "{none}");
 }
 
 /// The 13th message is longer than any that is read, by a byte or by much, the 14th just as long as one may be.
@@ -128,9 +114,7 @@ fn with_too_long(i: usize) -> Heard {
 #[test]
 fn a_message_that_is_too_long_is_passed_over_and_counted() {
     for (compression, chunked) in [(Some(Compression::Zstd), true), (None, false)] {
-        let options = WriteOptions::new()
-            .compression(compression)
-            .use_chunks(chunked);
+        let options = WriteOptions::new().compression(compression).use_chunks(chunked);
         let options = options.chunk_size(None);
         let bytes = recorded_of(options, with_too_long);
         let (notes, walked) = recovered(&bytes);

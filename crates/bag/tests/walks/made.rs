@@ -24,11 +24,7 @@ pub(crate) const PACKINGS: [Option<Compression>; 3] =
 
 /// Message `i`: two channels in turn, one in ten microseconds.
 pub(crate) fn message(i: usize) -> Heard {
-    let text = format!(
-        "{{\"i\":{i},\"v\":[{},2.25,\"{}\"]}}",
-        i * i,
-        "xyz".repeat(i % 5)
-    );
+    let text = format!("{{\"i\":{i},\"v\":[{},2.25,\"{}\"]}}", i * i, "xyz".repeat(i % 5));
     ((i % 2) as u16 + 1, time(i), text.into_bytes())
 }
 
@@ -47,11 +43,7 @@ pub(crate) fn recorded(options: WriteOptions) -> Vec<u8> {
 
 /// A recording of other messages.
 pub(crate) fn recorded_of(options: WriteOptions, message: impl Fn(usize) -> Heard) -> Vec<u8> {
-    let mut out = options
-        .profile("lab")
-        .library("tests")
-        .create(Cursor::new(Vec::new()))
-        .unwrap();
+    let mut out = options.profile("lab").library("tests").create(Cursor::new(Vec::new())).unwrap();
     let none = BTreeMap::new();
     for topic in ["/a", "/b"] {
         let name = format!("lab.X{}", &topic[1..]);
@@ -60,12 +52,8 @@ pub(crate) fn recorded_of(options: WriteOptions, message: impl Fn(usize) -> Hear
     }
     for i in 0..ALL {
         let (channel_id, log_time, data) = message(i);
-        let head = MessageHeader {
-            channel_id,
-            sequence: i as u32,
-            log_time,
-            publish_time: log_time + 1,
-        };
+        let head =
+            MessageHeader { channel_id, sequence: i as u32, log_time, publish_time: log_time + 1 };
         out.write_to_known_channel(&head, &data).unwrap();
         if (i + 1).is_multiple_of(EACH) {
             out.flush().unwrap();
@@ -73,8 +61,7 @@ pub(crate) fn recorded_of(options: WriteOptions, message: impl Fn(usize) -> Hear
         if i + 1 == EACH {
             let metadata = BTreeMap::from([("who".to_owned(), "P07".to_owned())]);
             let name = "drive".to_owned();
-            out.write_metadata(&mcap::records::Metadata { name, metadata })
-                .unwrap();
+            out.write_metadata(&mcap::records::Metadata { name, metadata }).unwrap();
         }
     }
     out.finish().unwrap();
@@ -138,9 +125,7 @@ impl Visitor for Notes {
     fn record(&mut self, record: Record<'_>) {
         match record {
             Record::Header(profile, library) => self.headers.push((profile, library)),
-            Record::Schema(s) => self
-                .schemas
-                .push((s.id, s.name, s.encoding, s.data.to_vec())),
+            Record::Schema(s) => self.schemas.push((s.id, s.name, s.encoding, s.data.to_vec())),
             Record::Channel(channel) => self.channels.push(channel),
             Record::Message(m) => self.messages.push((m.channel, m.log_ns, m.data.to_vec())),
             Record::Metadata(metadata) => self.metadata.push(metadata),
@@ -162,10 +147,7 @@ impl Visitor for Notes {
     }
 }
 
-pub(crate) const RECOVER: Walk = Walk {
-    recover: true,
-    hash: false,
-};
+pub(crate) const RECOVER: Walk = Walk { recover: true, hash: false };
 
 pub(crate) fn recovered(bytes: &[u8]) -> (Notes, Walked) {
     let mut notes = Notes::default();

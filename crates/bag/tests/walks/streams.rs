@@ -38,10 +38,7 @@ fn streams(files: &[Vec<u8>], how: Walk) -> Streams<Times> {
             path
         })
         .collect();
-    read_streams(&paths, how, |_: &Channel, _: Option<&OwnedSchema>| {
-        Times::default()
-    })
-    .unwrap()
+    read_streams(&paths, how, |_: &Channel, _: Option<&OwnedSchema>| Times::default()).unwrap()
 }
 
 fn times(streams: &Streams<Times>, i: usize) -> Vec<u64> {
@@ -62,19 +59,10 @@ fn a_recording_gives_its_streams_in_their_order_with_what_they_mean() {
     assert_eq!(found.streams[1].schema.as_ref().unwrap().name, "lab.Xb");
     assert_eq!(times(&found, 0), of_channel(1, |_| true));
     assert_eq!(times(&found, 1), of_channel(2, |_| true));
-    assert_eq!(
-        found.streams[1].taken.taken[3].1, 8,
-        "the eighth of the recording"
-    );
-    assert_eq!(
-        (found.writer.as_deref(), found.first_ns),
-        (Some("tests"), Some(time(0)))
-    );
+    assert_eq!(found.streams[1].taken.taken[3].1, 8, "the eighth of the recording");
+    assert_eq!((found.writer.as_deref(), found.first_ns), (Some("tests"), Some(time(0))));
     assert_eq!(found.metadata["drive"]["who"], "P07");
-    assert_eq!(
-        (found.undeclared, found.too_long, found.walked.len()),
-        (0, 0, 1)
-    );
+    assert_eq!((found.undeclared, found.too_long, found.walked.len()), (0, 0, 1));
 }
 
 /// A channel: its topic, name and text of its schema, its encoding, and the times of its messages.
@@ -85,26 +73,18 @@ fn file(channels: &[Declared<'_>]) -> Vec<u8> {
     let mut out = WriteOptions::new().create(Cursor::new(Vec::new())).unwrap();
     let none = BTreeMap::new();
     for (n, (topic, schema, encoding, times)) in channels.iter().enumerate() {
-        let schema = schema.map_or(0, |(name, text)| {
-            out.add_schema(name, "ros2msg", text.as_bytes()).unwrap()
-        });
+        let schema = schema
+            .map_or(0, |(name, text)| out.add_schema(name, "ros2msg", text.as_bytes()).unwrap());
         let id = n as u16 + 7;
-        out.add_channel_with_id(id, schema, topic, encoding, &none)
-            .unwrap();
+        out.add_channel_with_id(id, schema, topic, encoding, &none).unwrap();
         for &log_time in *times {
-            let head = MessageHeader {
-                channel_id: id,
-                sequence: 0,
-                log_time,
-                publish_time: 0,
-            };
+            let head = MessageHeader { channel_id: id, sequence: 0, log_time, publish_time: 0 };
             out.write_to_known_channel(&head, b"x").unwrap();
         }
     }
     let name = "part".to_owned();
     let metadata = BTreeMap::from([("topic".to_owned(), channels[0].0.to_owned())]);
-    out.write_metadata(&mcap::records::Metadata { name, metadata })
-        .unwrap();
+    out.write_metadata(&mcap::records::Metadata { name, metadata }).unwrap();
     out.finish().unwrap();
     out.into_inner().into_inner()
 }
@@ -126,28 +106,14 @@ fn channels_of_equal_topic_encoding_and_type_are_one_stream_over_files_and_withi
         let (topic, schema, encoding) = second;
         let second = file(&[(topic, schema, encoding, &[40, 70])]);
         let found = streams(&[first.clone(), second], Walk::default());
-        assert_eq!(
-            found.streams.len(),
-            if same { 1 } else { 2 },
-            "{topic} {schema:?} {encoding}"
-        );
-        let all: Vec<u64> = (0..found.streams.len())
-            .flat_map(|i| times(&found, i))
-            .collect();
+        assert_eq!(found.streams.len(), if same { 1 } else { 2 }, "{topic} {schema:?} {encoding}");
+        let all: Vec<u64> = (0..found.streams.len()).flat_map(|i| times(&found, i)).collect();
         assert_eq!(all, [50, 60, 40, 70]);
         assert_eq!((found.first_ns, found.walked.len()), (Some(40), 2));
-        assert_eq!(
-            found.metadata["part"]["topic"], "/a",
-            "the first of its name"
-        );
+        assert_eq!(found.metadata["part"]["topic"], "/a", "the first of its name");
     }
     let none = file(&[("/a", None, "cdr", &[1])]);
-    assert_eq!(
-        streams(&[none.clone(), none], Walk::default())
-            .streams
-            .len(),
-        1
-    );
+    assert_eq!(streams(&[none.clone(), none], Walk::default()).streams.len(), 1);
     // Two channels of one topic in one file, and of its next part.
     let twice = file(&[("/a", x, "cdr", &[1]), ("/a", x, "cdr", &[2])]);
     let found = streams(&[twice.clone(), twice], Walk::default());
@@ -198,9 +164,8 @@ fn what_only_a_lost_chunk_declares_is_believed_and_what_the_summary_repeats_more
 fn messages_of_a_channel_that_nothing_declares_are_counted() {
     let plain = WriteOptions::new().use_chunks(false).compression(None);
     let log = bare(plain);
-    let declared: Vec<usize> = (crate::made::of_kind(&log, crate::made::CHANNEL).iter())
-        .map(|r| r.0)
-        .collect();
+    let declared: Vec<usize> =
+        (crate::made::of_kind(&log, crate::made::CHANNEL).iter()).map(|r| r.0).collect();
     assert_eq!(declared.len(), 2);
     // An opcode that nobody knows yet.
     let unknown = with(&log, declared[1], &[0x7f]);

@@ -39,11 +39,7 @@ impl Clean {
         let cleaned =
             maveric_pipeline::clean(&pipeline, &place, &targets, self.force, self.dry_run)
                 .map_err(Failure::pipeline("could not clean up"))?;
-        let verb = if self.dry_run {
-            "would remove"
-        } else {
-            "removed"
-        };
+        let verb = if self.dry_run { "would remove" } else { "removed" };
         let removed = cleaned.removed.iter().map(|path| format!("{verb} {path}"));
         let kept = cleaned.kept.iter();
         let kept = kept.map(|path| {

@@ -37,9 +37,7 @@ impl Runs for Codebook {
         let failed = |error| Failure::study(doing)(error);
         let stage = &self.of.stage;
         let study = DesignFile::here(stage.design.as_deref()).map_err(failed)?;
-        let scales = stage
-            .scales_folder()
-            .and_then(|folder| read_scales(&folder));
+        let scales = stage.scales_folder().and_then(|folder| read_scales(&folder));
         let scales = scales.map_err(failed)?;
         let pages = write_sheet_pages(&scales, study.as_ref(), folder);
         let pages = pages.map_err(seat::failure(doing))?;

@@ -57,9 +57,8 @@ impl Diff {
 
 fn run_of(file: &Path, variant: Option<&String>) -> Result<RunAt, Failure> {
     let place = place(file)?;
-    let ledger = Ledger::read_any(&place.ledger).map_err(Failure::pipeline(
-        "could not read what the run was made from",
-    ))?;
+    let ledger = Ledger::read_any(&place.ledger)
+        .map_err(Failure::pipeline("could not read what the run was made from"))?;
     if let Some(name) = variant.filter(|name| !ledger.variants().contains(name.as_str())) {
         let known: Vec<&str> = ledger.variants().into_iter().collect();
         let known = if known.is_empty() {
@@ -72,9 +71,5 @@ fn run_of(file: &Path, variant: Option<&String>) -> Result<RunAt, Failure> {
             place.ledger.to_slash_lossy()
         )));
     }
-    Ok(RunAt {
-        ledger,
-        root: place.root,
-        variant: variant.cloned(),
-    })
+    Ok(RunAt { ledger, root: place.root, variant: variant.cloned() })
 }

@@ -84,9 +84,7 @@ fn address(text: &str) -> Result<String, String> {
     let is_address =
         rest.is_some_and(|rest| !rest.is_empty() && !text.contains(char::is_whitespace));
     let expected = "expected an address, as in https://creativecommons.org/licenses/by/4.0/";
-    is_address
-        .then(|| text.to_owned())
-        .ok_or_else(|| expected.to_owned())
+    is_address.then(|| text.to_owned()).ok_or_else(|| expected.to_owned())
 }
 
 fn day(text: &str) -> Result<String, String> {

@@ -39,9 +39,7 @@ fn add_pages(
     pages: &mut Vec<(String, Vec<u8>)>,
 ) -> std::io::Result<()> {
     let mut page = Vec::new();
-    clap_mangen::Man::new(command.clone())
-        .title(name)
-        .render(&mut page)?;
+    clap_mangen::Man::new(command.clone()).title(name).render(&mut page)?;
     pages.push((format!("{name}.1"), page));
     for below in command.get_subcommands() {
         if !below.is_hide_set() && below.get_name() != "help" {

@@ -149,12 +149,7 @@ impl UpToDate {
     const MOST: usize = 1 << 16;
 
     fn say(&mut self, event: &Event<'_>) {
-        let Event::UpToDate {
-            stage,
-            settled,
-            wanted,
-        } = event
-        else {
+        let Event::UpToDate { stage, settled, wanted } = event else {
             self.tell();
             return say(event);
         };
@@ -190,35 +185,19 @@ fn say(event: &Event<'_>) {
             tell!("{stage}: running ({}{more})", why.join("; "));
         }
         Event::Line { stage, line } => tell!("{stage}: {line}"),
-        Event::Finished {
-            stage,
-            seconds,
-            peak_memory,
-            settled,
-            wanted,
-        } => {
-            let memory = peak_memory.map_or_else(String::new, |bytes| {
-                format!(", {:.0} MB", bytes as f64 / 1e6)
-            });
+        Event::Finished { stage, seconds, peak_memory, settled, wanted } => {
+            let memory = peak_memory
+                .map_or_else(String::new, |bytes| format!(", {:.0} MB", bytes as f64 / 1e6));
             tell!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s{memory}");
         }
-        Event::Retried {
-            stage,
-            cause,
-            retry,
-            retries,
-        } => tell!("{stage}: {cause}; retry {retry} of {retries}"),
-        Event::Restored {
-            stage,
-            settled,
-            wanted,
-        } => tell!("[{settled}/{wanted}] {stage}: taken from the cache"),
+        Event::Retried { stage, cause, retry, retries } => {
+            tell!("{stage}: {cause}; retry {retry} of {retries}")
+        }
+        Event::Restored { stage, settled, wanted } => {
+            tell!("[{settled}/{wanted}] {stage}: taken from the cache")
+        }
         Event::Submitted { job, stage, tasks } => {
-            let tasks = if *tasks == 1 {
-                String::new()
-            } else {
-                format!(" ({tasks} tasks)")
-            };
+            let tasks = if *tasks == 1 { String::new() } else { format!(" ({tasks} tasks)") };
             tell!("{stage}: handed in as job {job}{tasks}");
         }
         Event::Resumed { stages } => {
@@ -287,10 +266,7 @@ fn print_report(format: Format, report: &RunReport) -> Result<(), Failure> {
 /// What an interrupted run leaves: a stage may be any program, so that of its outputs half may be there.
 fn interrupted(report: &RunReport) -> String {
     let on_cluster = report.stages.iter().filter(|s| s.state == State::Running);
-    let cut_off = report
-        .stages
-        .iter()
-        .filter(|s| s.state == State::Ready && !s.reasons.is_empty());
+    let cut_off = report.stages.iter().filter(|s| s.state == State::Ready && !s.reasons.is_empty());
     let cut_off: Vec<&str> = cut_off.map(|s| s.stage.as_str()).collect();
     let mut text = "interrupted; the same command goes on from here".to_owned();
     match cut_off.as_slice() {

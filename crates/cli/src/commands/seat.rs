@@ -115,11 +115,7 @@ impl Seat {
     pub(crate) fn run(self) -> Result<(), Failure> {
         match self.part {
             Some(Part::Replay { log, format }) => repeat(&log, format),
-            Some(Part::Forget {
-                person,
-                study,
-                format,
-            }) => forget(&study, &person, format),
+            Some(Part::Forget { person, study, format }) => forget(&study, &person, format),
             Some(Part::Paid { study, format }) => paid(&study, format),
             None if self.demo => self.demonstrate(),
             None => self.study(),
@@ -202,10 +198,7 @@ impl Seat {
 fn first_line(file: &Path) -> Result<String, Failure> {
     let text = std::fs::read_to_string(file).map_err(|e| {
         let doing = "could not read the password";
-        Failure::io(
-            doing,
-            std::io::Error::new(e.kind(), format!("{}: {e}", file.to_slash_lossy())),
-        )
+        Failure::io(doing, std::io::Error::new(e.kind(), format!("{}: {e}", file.to_slash_lossy())))
     })?;
     Ok(text.lines().next().unwrap_or_default().trim().to_owned())
 }
@@ -284,10 +277,7 @@ fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
     if let Some(part) = &gone.study {
         lines.push(format!("{} files were removed", part.removed.len()));
         for (table, rows) in &part.rows {
-            lines.push(format!(
-                "{}: {rows} rows were taken out",
-                table.to_slash_lossy()
-            ));
+            lines.push(format!("{}: {rows} rows were taken out", table.to_slash_lossy()));
         }
         for model in &part.models {
             let model = model.to_slash_lossy();
@@ -296,10 +286,7 @@ fn forget(folder: &Path, person: &str, format: Format) -> Result<(), Failure> {
             ));
         }
         for file in &part.left {
-            lines.push(format!(
-                "{} may name them still: look into it",
-                file.to_slash_lossy()
-            ));
+            lines.push(format!("{} may name them still: look into it", file.to_slash_lossy()));
         }
     }
     lines.push(gone.lasting.to_owned());
@@ -389,11 +376,5 @@ fn open_browser(url: &str) {
         "xdg-open"
     };
     let quiet = std::process::Stdio::null;
-    drop(
-        std::process::Command::new(program)
-            .arg(url)
-            .stdout(quiet())
-            .stderr(quiet())
-            .spawn(),
-    );
+    drop(std::process::Command::new(program).arg(url).stdout(quiet()).stderr(quiet()).spawn());
 }

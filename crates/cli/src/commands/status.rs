@@ -51,9 +51,7 @@ impl Status {
         } else {
             print_statuses(self.format, &statuses)?;
         }
-        let seat = seat
-            .iter()
-            .map(|line| format!("the seat cannot open this study: {line}"));
+        let seat = seat.iter().map(|line| format!("the seat cannot open this study: {line}"));
         for line in notes.into_iter().chain(missing.lines()).chain(seat) {
             tell!("{line}");
         }

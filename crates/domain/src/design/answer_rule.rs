@@ -91,10 +91,7 @@ impl FromStr for AnswerRule {
             None => (item, None),
         };
         let is_word = |word: &str| {
-            !word.is_empty()
-                && word
-                    .chars()
-                    .all(|c| c.is_alphanumeric() || "_-".contains(c))
+            !word.is_empty() && word.chars().all(|c| c.is_alphanumeric() || "_-".contains(c))
         };
         if !is_word(scale) || !item.is_none_or(is_word) {
             return Err(wrong());
@@ -154,10 +151,7 @@ mod tests {
             "a b >= 1",
         ] {
             let told = text.parse::<AnswerRule>().unwrap_err();
-            assert!(
-                told.contains(text) && told.contains("demographics.age >= 18"),
-                "{told}"
-            );
+            assert!(told.contains(text) && told.contains("demographics.age >= 18"), "{told}");
         }
     }
 

@@ -91,11 +91,7 @@ fn dial(key: &str, raw: DialToml, style: Option<&Style>) -> Checked<f64> {
         DialToml::Points(points) => points,
         DialToml::Steps(text) => {
             let steps: f64 = text.trim().parse().map_err(|_| {
-                DesignError::key(
-                    &key,
-                    format!("`{text}`"),
-                    "a number of steps, such as \"-1\"",
-                )
+                DesignError::key(&key, format!("`{text}`"), "a number of steps, such as \"-1\"")
             })?;
             let step = style.map(|s| {
                 s.points.ok_or_else(|| {

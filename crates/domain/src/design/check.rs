@@ -77,15 +77,12 @@ fn design(raw: DesignToml) -> Checked<Design> {
     once("factor", named.map(|factor| factor.name.clone()))?;
     let level_contrasts = raw.contrasts.factors;
     factors::contrasts(&level_contrasts, &factors, &conditions)?;
-    let of_conditions = conditions
-        .iter()
-        .map(|c| (format!("condition.{}.label", c.id), c.label.as_str()));
+    let of_conditions =
+        conditions.iter().map(|c| (format!("condition.{}.label", c.id), c.label.as_str()));
     let of_factors =
         factors.iter().chain(&crossed).flat_map(|f| {
-            let own_label = f
-                .label
-                .iter()
-                .map(|label| (format!("factor.{}.label", f.name), label.as_str()));
+            let own_label =
+                f.label.iter().map(|label| (format!("factor.{}.label", f.name), label.as_str()));
             own_label.chain(f.levels.iter().map(|(level, label)| {
                 (format!("factor.{}.levels.{level}", f.name), label.as_str())
             }))
@@ -212,10 +209,7 @@ fn people(raw: PeopleToml) -> People {
 }
 
 fn style(raw: StyleToml) -> Checked<Style> {
-    if let Some([low, high]) = raw
-        .range
-        .filter(|ends| ScoreRange::try_from(*ends).is_err())
-    {
+    if let Some([low, high]) = raw.range.filter(|ends| ScoreRange::try_from(*ends).is_err()) {
         return refuse(
             "style.range",
             format!("[{low}, {high}]"),
@@ -240,11 +234,7 @@ fn conditions(
     learned: bool,
 ) -> Checked<Vec<Condition>> {
     if raw.len() > MOST_CONDITIONS {
-        return refuse(
-            "condition",
-            raw.len().to_string(),
-            format!("at most {MOST_CONDITIONS}"),
-        );
+        return refuse("condition", raw.len().to_string(), format!("at most {MOST_CONDITIONS}"));
     }
     let Some(first) = raw.first() else {
         return Ok(Vec::new());
@@ -275,10 +265,7 @@ fn conditions(
             );
         }
     }
-    raw.into_iter()
-        .enumerate()
-        .map(|(place, c)| condition(place, c, style, learned))
-        .collect()
+    raw.into_iter().enumerate().map(|(place, c)| condition(place, c, style, learned)).collect()
 }
 
 fn condition(
@@ -293,18 +280,11 @@ fn condition(
         .as_ref()
         .map(|text| {
             text.parse().map_err(|()| {
-                DesignError::key(
-                    key("color"),
-                    format!("`{text}`"),
-                    "#rrggbb, such as #0072B2",
-                )
+                DesignError::key(key("color"), format!("`{text}`"), "#rrggbb, such as #0072B2")
             })
         })
         .transpose()?;
-    let raw_car = raw.car.unwrap_or(CarToml {
-        recorded: true,
-        ..CarToml::default()
-    });
+    let raw_car = raw.car.unwrap_or(CarToml { recorded: true, ..CarToml::default() });
     let recorded = raw_car.recorded;
     let car = car(&key("car"), raw_car, style)?;
     // What was driven is driven again without a model, and nowhere but where it was driven.

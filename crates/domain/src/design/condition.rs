@@ -132,11 +132,7 @@ impl Sign {
 impl std::ops::Mul for Sign {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        if self == other {
-            Self::Plus
-        } else {
-            Self::Minus
-        }
+        if self == other { Self::Plus } else { Self::Minus }
     }
 }
 

@@ -26,10 +26,7 @@ impl Compare {
                 .enumerate()
                 .flat_map(|(at, first)| ids().skip(at + 1).map(move |second| [first, second]))
                 .collect(),
-            Self::Against(one) => ids()
-                .filter(|c| c != one)
-                .map(|other| [*one, other])
-                .collect(),
+            Self::Against(one) => ids().filter(|c| c != one).map(|other| [*one, other]).collect(),
             Self::Pairs(pairs) => pairs.clone(),
         }
     }
@@ -38,10 +35,7 @@ impl Compare {
 /// What a contrast takes of a factor.
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "two levels, such as [\"calm\", \"sporty\"], or one"
-)]
+#[serde(untagged, expecting = "two levels, such as [\"calm\", \"sporty\"], or one")]
 pub enum Levels {
     /// The first less the second.
     Pair([String; 2]),

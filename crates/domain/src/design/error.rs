@@ -34,10 +34,7 @@ pub enum DesignError {
 
 impl DesignError {
     /// A value that is not possible.
-    #[expect(
-        clippy::needless_pass_by_value,
-        reason = "a number or a text as it is at hand"
-    )]
+    #[expect(clippy::needless_pass_by_value, reason = "a number or a text as it is at hand")]
     pub fn key(key: impl Into<String>, found: impl ToString, expected: impl Into<String>) -> Self {
         Self::Key {
             key: key.into(),
@@ -71,9 +68,7 @@ impl DesignError {
     /// The next step, where one is known.
     pub fn suggestion(&self) -> Option<String> {
         let (Self::Toml { nearest, .. } | Self::Key { nearest, .. }) = self;
-        nearest
-            .as_ref()
-            .map(|word| format!("did you mean `{word}`?"))
+        nearest.as_ref().map(|word| format!("did you mean `{word}`?"))
     }
 
     /// As the TOML reader says it, with the nearest of the keys that it lists.
@@ -90,11 +85,7 @@ impl DesignError {
             }
             _ => None,
         };
-        Self::Toml {
-            place,
-            problem,
-            nearest,
-        }
+        Self::Toml { place, problem, nearest }
     }
 }
 

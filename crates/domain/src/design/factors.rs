@@ -11,11 +11,7 @@ use crate::nearest;
 
 /// The factors that the conditions cross, each with its levels in the order of the conditions; else the conditions themselves are one.
 pub(super) fn within(conditions: &[Condition]) -> Vec<(String, Vec<String>)> {
-    let names: Vec<&String> = conditions
-        .iter()
-        .take(1)
-        .flat_map(|c| c.levels.keys())
-        .collect();
+    let names: Vec<&String> = conditions.iter().take(1).flat_map(|c| c.levels.keys()).collect();
     if names.is_empty() {
         let ids = conditions.iter().map(|c| c.id.to_string());
         return vec![(CONDITION.to_owned(), ids.collect())];
@@ -29,10 +25,7 @@ pub(super) fn within(conditions: &[Condition]) -> Vec<(String, Vec<String>)> {
         }
         levels
     };
-    names
-        .into_iter()
-        .map(|name| (name.clone(), levels(name)))
-        .collect()
+    names.into_iter().map(|name| (name.clone(), levels(name))).collect()
 }
 
 /// Factors that conditions can cross in a test.
@@ -71,11 +64,7 @@ pub(super) fn factors(
     let known = within(conditions);
     let (mut between, mut crossed) = (Vec::new(), Vec::new());
     for raw in raw {
-        let factor = |name| Factor {
-            name,
-            label: raw.label,
-            levels: raw.levels,
-        };
+        let factor = |name| Factor { name, label: raw.label, levels: raw.levels };
         match (raw.column, raw.within) {
             (Some(column), None) => between.push(factor(column)),
             (None, Some(name)) => {
@@ -122,10 +111,7 @@ pub(super) fn contrasts(
         let key = format!("contrasts.factors[{}]", at + 1);
         let expected =
             "two levels of at least one factor, such as { style = [\"calm\", \"sporty\"] }";
-        if !contrast
-            .values()
-            .any(|levels| matches!(levels, Levels::Pair(_)))
-        {
+        if !contrast.values().any(|levels| matches!(levels, Levels::Pair(_))) {
             return refuse(key, "no pair of levels", expected);
         }
         if raw[..at].contains(contrast) {
@@ -162,10 +148,7 @@ pub(super) fn products(covariates: &[Covariate], conditions: &[Condition]) -> Ch
         .map(|mask| {
             let parts = crossed.iter().enumerate();
             let parts = parts.filter(|(f, _)| mask >> f & 1 == 1);
-            parts
-                .map(|(_, (name, _))| name.as_str())
-                .collect::<Vec<_>>()
-                .join(":")
+            parts.map(|(_, (name, _))| name.as_str()).collect::<Vec<_>>().join(":")
         })
         .collect();
     for covariate in covariates {

@@ -103,14 +103,8 @@ pub enum Software {
 
 impl Software {
     /// Everything whose exports are imported: all but the table that is scored.
-    pub const IMPORTED: [Self; 6] = [
-        Self::Otree,
-        Self::Jspsych,
-        Self::Qualtrics,
-        Self::Limesurvey,
-        Self::Sosci,
-        Self::Wide,
-    ];
+    pub const IMPORTED: [Self; 6] =
+        [Self::Otree, Self::Jspsych, Self::Qualtrics, Self::Limesurvey, Self::Sosci, Self::Wide];
 
     /// Its word in a design and on the command line.
     pub fn id(self) -> &'static str {

@@ -18,10 +18,7 @@ pub struct Reach {
 impl Reach {
     /// Two elevenths of the scale along the dial, 8 points of the ADB's 44; what was asked for across it.
     pub fn on(range: ScoreRange, apart_sd: [f64; 2]) -> Self {
-        Self {
-            shift_points: 2.0 * range.width() / 11.0,
-            apart_sd,
-        }
+        Self { shift_points: 2.0 * range.width() / 11.0, apart_sd }
     }
 }
 
@@ -79,11 +76,7 @@ mod tests {
     }
 
     fn offers<const N: usize>(of: [(f64, f64, usize); N]) -> Vec<Offer> {
-        let offer = |(shift_points, distance_sd, lent)| Offer {
-            shift_points,
-            distance_sd,
-            lent,
-        };
+        let offer = |(shift_points, distance_sd, lent)| Offer { shift_points, distance_sd, lent };
         of.map(offer).to_vec()
     }
 
@@ -102,10 +95,7 @@ mod tests {
         let on = |low, high| Reach::on(ScoreRange::new(low, high).unwrap(), [0.7, 2.5]);
         for (reach, furthest) in [(on(1.0, 6.0), 10.0 / 11.0), (on(11.0, 66.0), 10.0)] {
             assert!((reach.shift_points - furthest).abs() < 1e-12);
-            assert_eq!(
-                reach.apart_sd.map(f64::to_bits),
-                [0.7, 2.5].map(f64::to_bits)
-            );
+            assert_eq!(reach.apart_sd.map(f64::to_bits), [0.7, 2.5].map(f64::to_bits));
             let reached = |shift_points| offers([(shift_points, 1.0, 0)])[0].within(reach);
             assert!(reached(furthest - 1e-9) && reached(1e-9 - furthest));
             assert!(!reached(furthest + 1e-9) && !reached(-1e-9 - furthest));

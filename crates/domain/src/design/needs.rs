@@ -54,12 +54,7 @@ impl Needs {
     /// `tried` is whether what somebody drives with is tried before the drives.
     pub(super) fn check(&self, tried: bool) -> Checked<()> {
         for (key, least, most, unit) in [
-            (
-                "pictures_per_second",
-                self.pictures_per_second,
-                MOST_PICTURES,
-                "pictures a second",
-            ),
+            ("pictures_per_second", self.pictures_per_second, MOST_PICTURES, "pictures a second"),
             ("width_px", self.width_px, MOST_PX, "pixels"),
             ("height_px", self.height_px, MOST_PX, "pixels"),
         ] {
@@ -108,14 +103,8 @@ mod tests {
     #[test]
     fn what_no_computer_has_cannot_be_needed() {
         for (line, words) in [
-            (
-                "pictures_per_second = 0",
-                ["pictures_per_second", "1 to 240"],
-            ),
-            (
-                "pictures_per_second = 241",
-                ["pictures_per_second", "1 to 240"],
-            ),
+            ("pictures_per_second = 0", ["pictures_per_second", "1 to 240"]),
+            ("pictures_per_second = 241", ["pictures_per_second", "1 to 240"]),
             ("width_px = -1", ["width_px", "1 to 16384 pixels"]),
             ("height_px = nan", ["height_px", "1 to 16384 pixels"]),
             ("device = \"joystick\"", ["joystick", "wheel"]),
@@ -135,10 +124,7 @@ mod tests {
         let steps = "steps = [\"drive\"]\n";
         let told = read(&format!("{steps}needs = {{ device = \"wheel\" }}"));
         let told = told.unwrap_err().to_string();
-        assert!(
-            told.contains("protocol.needs.device") && told.contains("`controls`"),
-            "{told}"
-        );
+        assert!(told.contains("protocol.needs.device") && told.contains("`controls`"), "{told}");
         assert!(read(&format!("{steps}needs = {{ device = \"keyboard\" }}")).is_ok());
     }
 }

@@ -39,10 +39,7 @@ impl OrderPlan {
         let conditions = design.conditions();
         let Some(factor) = blocks else {
             let ids = conditions.iter().map(|c| c.id).collect();
-            return Ok(Self {
-                square,
-                blocks: vec![ids],
-            });
+            return Ok(Self { square, blocks: vec![ids] });
         };
         let mut levels: Vec<&String> = Vec::new();
         for condition in conditions {
@@ -59,25 +56,17 @@ impl OrderPlan {
             }
         }
         let of_level = |level: &&String| -> Vec<ConditionId> {
-            let there = conditions
-                .iter()
-                .filter(|c| c.levels.get(factor) == Some(*level));
+            let there = conditions.iter().filter(|c| c.levels.get(factor) == Some(*level));
             there.map(|c| c.id).collect()
         };
         let blocks: Vec<Vec<ConditionId>> = levels.iter().map(of_level).collect();
-        if let Some((level, block)) = levels
-            .iter()
-            .zip(&blocks)
-            .find(|(_, b)| b.len() != blocks[0].len())
+        if let Some((level, block)) =
+            levels.iter().zip(&blocks).find(|(_, b)| b.len() != blocks[0].len())
         {
             return refuse(
                 format!("condition.levels.{factor}"),
                 format!("{} conditions at `{level}`", block.len()),
-                format!(
-                    "{} as at `{}`, so that blocks are alike",
-                    blocks[0].len(),
-                    levels[0]
-                ),
+                format!("{} as at `{}`, so that blocks are alike", blocks[0].len(), levels[0]),
             );
         }
         Ok(Self { square, blocks })
@@ -107,9 +96,7 @@ impl OrderPlan {
         let blocks = self.square.row(self.blocks.len(), index % rows);
         let of_block = |block: usize| within.iter().map(move |place| (block, *place));
         let places = blocks.into_iter().flat_map(of_block);
-        places
-            .map(|(block, place)| self.blocks[block][place])
-            .collect()
+        places.map(|(block, place)| self.blocks[block][place]).collect()
     }
 }
 
@@ -138,14 +125,7 @@ mod tests {
         let mut places: BTreeMap<(usize, ConditionId), usize> = BTreeMap::new();
         for person in 0..plan.people() {
             let order = plan.order(person);
-            let traffic = |at: usize| {
-                order[at]
-                    .as_str()
-                    .split('-')
-                    .next_back()
-                    .unwrap()
-                    .to_owned()
-            };
+            let traffic = |at: usize| order[at].as_str().split('-').next_back().unwrap().to_owned();
             assert!(
                 traffic(0) == traffic(1) && traffic(1) == traffic(2) && traffic(2) != traffic(3)
             );
@@ -164,10 +144,7 @@ mod tests {
         for (square, people) in [(Square::Williams, 6), (Square::Latin, 6)] {
             let plan = OrderPlan::new(&design, square, None).unwrap();
             assert_eq!(plan.people(), people);
-            let numbers = square
-                .row(6, 1)
-                .into_iter()
-                .map(|i| design.conditions()[i].id);
+            let numbers = square.row(6, 1).into_iter().map(|i| design.conditions()[i].id);
             assert_eq!(plan.order(1), numbers.collect::<Vec<_>>());
         }
     }

@@ -30,14 +30,9 @@ impl FromStr for ScoreName {
             Some((scale, subscale))
                 if !scale.is_empty() && !subscale.is_empty() && !subscale.contains('.') =>
             {
-                Ok(Self {
-                    scale: scale.to_owned(),
-                    subscale: subscale.to_owned(),
-                })
+                Ok(Self { scale: scale.to_owned(), subscale: subscale.to_owned() })
             }
-            _ => Err(format!(
-                "found `{text}`, expected SCALE.SUBSCALE, such as `adb.total`"
-            )),
+            _ => Err(format!("found `{text}`, expected SCALE.SUBSCALE, such as `adb.total`")),
         }
     }
 }

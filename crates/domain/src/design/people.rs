@@ -51,9 +51,7 @@ impl People {
 }
 
 fn all_hold<'a>(wanted: &Wanted, cell: impl Fn(&str) -> Option<&'a str>) -> bool {
-    wanted
-        .iter()
-        .all(|(column, value)| cell(column) == Some(value.as_str()))
+    wanted.iter().all(|(column, value)| cell(column) == Some(value.as_str()))
 }
 
 /// The factor whose levels are the conditions, where those cross no others.

@@ -97,11 +97,7 @@ pub struct Practice {
 
 impl Default for Practice {
     fn default() -> Self {
-        Self {
-            lane_kept_s: 30.0,
-            passes: 1,
-            at_most_s: 300.0,
-        }
+        Self { lane_kept_s: 30.0, passes: 1, at_most_s: 300.0 }
     }
 }
 
@@ -141,9 +137,7 @@ impl Redirect {
             ("screened_out", &self.screened_out),
             ("stopped", &self.stopped),
         ];
-        addresses
-            .into_iter()
-            .filter_map(|(key, address)| Some((key, address.as_deref()?)))
+        addresses.into_iter().filter_map(|(key, address)| Some((key, address.as_deref()?)))
     }
 }
 
@@ -165,12 +159,7 @@ pub struct SeatView {
 
 impl Default for SeatView {
     fn default() -> Self {
-        Self {
-            eye_m: 1.22,
-            field_deg: 44.0,
-            screens: 1,
-            side_deg: 60.0,
-        }
+        Self { eye_m: 1.22, field_deg: 44.0, screens: 1, side_deg: 60.0 }
     }
 }
 
@@ -290,9 +279,7 @@ impl Default for Protocol {
             Before, Consent, Controls, Drive, Post, Practice as Practises, Rides, Screen, Which,
         };
         Self {
-            steps: vec![
-                Screen, Consent, Before, Controls, Practises, Drive, Rides, Which, Post,
-            ],
+            steps: vec![Screen, Consent, Before, Controls, Practises, Drive, Rides, Which, Post],
             language: "en".to_owned(),
             languages: Vec::new(),
             words: None,

@@ -62,9 +62,7 @@ impl Protocol {
             }
         }
         let tried = self.steps.contains(&ProtocolStep::Controls);
-        self.needs
-            .as_ref()
-            .map_or(Ok(()), |needs| needs.check(tried))?;
+        self.needs.as_ref().map_or(Ok(()), |needs| needs.check(tried))?;
         self.check_repeats()?;
         self.check_moments()
     }
@@ -132,11 +130,7 @@ impl Protocol {
             let key = "protocol.rides_per_condition";
             return refuse(key, rides, expected);
         }
-        let Some(Sessions {
-            count,
-            days_between: [least, most],
-        }) = &self.sessions
-        else {
+        let Some(Sessions { count, days_between: [least, most] }) = &self.sessions else {
             return Ok(());
         };
         if !(2..=MOST_REPEATS).contains(count) {
@@ -234,10 +228,7 @@ mod tests {
         for text in ["", "German", "DE", "d", "de_at", "de-", "englisch"] {
             assert!(!is_language(text), "{text}");
         }
-        let protocol = Protocol {
-            language: "German".to_owned(),
-            ..Protocol::default()
-        };
+        let protocol = Protocol { language: "German".to_owned(), ..Protocol::default() };
         let told = protocol.check().unwrap_err().to_string();
         assert!(told.contains("protocol.language"), "{told}");
     }
@@ -261,15 +252,10 @@ mod tests {
         ] {
             assert!(!is_day(text), "{text}");
         }
-        let protocol = Protocol {
-            withdraw_until: Some("2026-02-30".to_owned()),
-            ..Protocol::default()
-        };
+        let protocol =
+            Protocol { withdraw_until: Some("2026-02-30".to_owned()), ..Protocol::default() };
         let told = protocol.check().unwrap_err().to_string();
-        assert!(
-            told.contains("withdraw_until") && told.contains("2026-02-30"),
-            "{told}"
-        );
+        assert!(told.contains("withdraw_until") && told.contains("2026-02-30"), "{told}");
     }
 
     fn refused(protocol: &str, words: &[&str]) {
@@ -292,10 +278,7 @@ mod tests {
         assert_eq!(protocol("world = \"by_ride\""), World::ByRide);
         assert_eq!(protocol("world = \"same\""), World::Same);
         assert_eq!(protocol("world = \"own\""), World::Own);
-        refused(
-            "world = \"by_drive\"",
-            &["by_drive", "by_ride", "same", "own"],
-        );
+        refused("world = \"by_drive\"", &["by_drive", "by_ride", "same", "own"]);
     }
 
     #[test]
@@ -311,14 +294,8 @@ mod tests {
         let steps = "steps = [\"before\", \"break\", \"drive\", \"break\", \"rides\"]";
         assert_eq!(of(steps), (5, 60.0));
         assert_eq!(of(&format!("{steps}\nbreak_s = 90")), (5, 90.0));
-        refused(
-            "steps = [\"drive\", \"drive\"]",
-            &["protocol.steps", "drive twice", "`break`"],
-        );
-        refused(
-            "break_s = 3601",
-            &["protocol.break_s", "3601", "1 to 3600 s"],
-        );
+        refused("steps = [\"drive\", \"drive\"]", &["protocol.steps", "drive twice", "`break`"]);
+        refused("break_s = 3601", &["protocol.break_s", "3601", "1 to 3600 s"]);
     }
 
     #[test]
@@ -335,14 +312,8 @@ mod tests {
 
     #[test]
     fn rides_and_sessions_are_numbers_that_somebody_can_come_to_and_none_are_one_each() {
-        refused(
-            "rides_per_condition = 21",
-            &["protocol.rides_per_condition", "21", "1 to 20"],
-        );
-        refused(
-            "rides_per_condition = 0",
-            &["protocol.rides_per_condition", "found 0", "1 to 20"],
-        );
+        refused("rides_per_condition = 21", &["protocol.rides_per_condition", "21", "1 to 20"]);
+        refused("rides_per_condition = 0", &["protocol.rides_per_condition", "found 0", "1 to 20"]);
         let sessions = |keys: &str| format!("[protocol.sessions]\n{keys}");
         refused(
             &sessions("count = 1\ndays_between = [2, 14]"),
@@ -353,10 +324,7 @@ mod tests {
             &["protocol.sessions.days_between", "[14, 2]", "fewest"],
         );
         refused(&sessions("count = 2"), &["days_between"]);
-        refused(
-            &sessions("count = 2\ndays_between = [2, 14]\nrides = 2"),
-            &["rides"],
-        );
+        refused(&sessions("count = 2\ndays_between = [2, 14]\nrides = 2"), &["rides"]);
         let design = |protocol: &str| {
             let text = format!(
                 "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[baseline]\nid = \"own\"\n[protocol]\n{protocol}"
@@ -365,9 +333,7 @@ mod tests {
         };
         let of = |design: &crate::Design, id: &str| {
             let occasions = design.occasions(id.parse().unwrap()).into_iter();
-            occasions
-                .map(|o| (o.session.get(), o.trial.get()))
-                .collect::<Vec<_>>()
+            occasions.map(|o| (o.session.get(), o.trial.get())).collect::<Vec<_>>()
         };
         let several = design(
             "rides_per_condition = 2\n[protocol.sessions]\ncount = 2\ndays_between = [2, 2]",
@@ -383,35 +349,19 @@ mod tests {
 
     #[test]
     fn people_choose_among_languages_of_which_the_studys_is_one() {
-        refused(
-            "languages = [\"de\"]",
-            &["protocol.languages", "`en` among them"],
-        );
-        refused(
-            "languages = [\"en\", \"German\"]",
-            &["protocol.languages", "German"],
-        );
-        refused(
-            "languages = [\"en\", \"en\"]",
-            &["protocol.languages", "en twice"],
-        );
+        refused("languages = [\"de\"]", &["protocol.languages", "`en` among them"]);
+        refused("languages = [\"en\", \"German\"]", &["protocol.languages", "German"]);
+        refused("languages = [\"en\", \"en\"]", &["protocol.languages", "en twice"]);
         let text = "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\nlanguages = [\"en\", \"de\"]";
         assert!(crate::Design::from_toml(text).is_ok());
     }
 
     #[test]
     fn a_platform_is_named_as_an_address_can_and_gone_back_to_encrypted() {
-        refused(
-            "platform = \"my id\"",
-            &["protocol.platform", "my id", "PROLIFIC_PID"],
-        );
+        refused("platform = \"my id\"", &["protocol.platform", "my id", "PROLIFIC_PID"]);
         refused(
             "redirect = { stopped = \"http://example.org\" }",
-            &[
-                "protocol.redirect.stopped",
-                "http://example.org",
-                "https://",
-            ],
+            &["protocol.redirect.stopped", "http://example.org", "https://"],
         );
         refused("redirect = { left = \"https://example.org\" }", &["left"]);
         let text = "[study]\ntitle = \"x\"\n[[condition]]\nid = \"a\"\n[protocol]\nplatform = \"PROLIFIC_PID\"\n\
@@ -421,43 +371,25 @@ mod tests {
 
     #[test]
     fn what_is_judged_is_asked_and_what_is_to_be_asked_has_its_step() {
-        refused(
-            "admit_if = [\"age.1 >= 18\"]",
-            &["protocol.admit_if", "`age`", "there is none"],
-        );
+        refused("admit_if = [\"age.1 >= 18\"]", &["protocol.admit_if", "`age`", "there is none"]);
         refused(
             "screen = [\"health\"]\nadmit_if = [\"age.1 >= 18\"]",
             &["protocol.admit_if", "`age`", "`health`"],
         );
-        refused(
-            "screen = [\"age\"]\nadmit_if = [\"age\"]",
-            &["age", "a whole number"],
-        );
-        refused(
-            "post = [\"ssq\"]\nsteps = [\"drive\"]",
-            &["protocol.post", "ssq", "`steps`"],
-        );
-        refused(
-            "screen = [\"age\"]\nsteps = [\"drive\"]",
-            &["protocol.screen", "`steps`"],
-        );
+        refused("screen = [\"age\"]\nadmit_if = [\"age\"]", &["age", "a whole number"]);
+        refused("post = [\"ssq\"]\nsteps = [\"drive\"]", &["protocol.post", "ssq", "`steps`"]);
+        refused("screen = [\"age\"]\nsteps = [\"drive\"]", &["protocol.screen", "`steps`"]);
     }
 
     #[test]
     fn what_stops_a_ride_is_asked_on_the_way() {
-        refused(
-            "stop_if = \"misc >= 6\"",
-            &["protocol.stop_if", "`misc`", "there is none"],
-        );
+        refused("stop_if = \"misc >= 6\"", &["protocol.stop_if", "`misc`", "there is none"]);
         let probe = "probe = { scale = \"misc\", every_s = 60 }\n";
         refused(
             &format!("{probe}stop_if = \"ssq >= 6\""),
             &["protocol.stop_if", "`ssq`", "`misc`"],
         );
-        refused(
-            &format!("{probe}stop_if = \"misc\""),
-            &["`misc`", "a whole number"],
-        );
+        refused(&format!("{probe}stop_if = \"misc\""), &["`misc`", "a whole number"]);
     }
 
     #[test]

@@ -25,15 +25,8 @@ pub(super) fn ridden(protocol: &Protocol, conditions: &[Condition]) -> Checked<(
     if driven {
         return replayed(protocol, conditions);
     }
-    let expected = format!(
-        "`drive` before `rides`: the style of `{}` is learned from it",
-        own.id
-    );
-    refuse(
-        "protocol.steps",
-        "rides without a drive before them",
-        expected,
-    )
+    let expected = format!("`drive` before `rides`: the style of `{}` is learned from it", own.id);
+    refuse("protocol.steps", "rides without a drive before them", expected)
 }
 
 /// Refuses a drive shown again beside rides that are in another world than it was, or last longer or shorter: they would differ by more than by who drives.
@@ -43,11 +36,7 @@ fn replayed(protocol: &Protocol, conditions: &[Condition]) -> Checked<()> {
     };
     let id = shown.id;
     if protocol.world != World::Same {
-        let world = if protocol.world == World::Own {
-            "own"
-        } else {
-            "by_ride"
-        };
+        let world = if protocol.world == World::Own { "own" } else { "by_ride" };
         let expected = format!(
             "\"same\": `{id}` shows the drive by hand again, and every ride has to be in its world"
         );
@@ -89,25 +78,16 @@ mod tests {
         let [again] = design.conditions() else {
             panic!("{:?}", design.conditions());
         };
-        assert_eq!(
-            (&again.car, again.recorded),
-            (&Some(super::Car::Replay), true)
-        );
+        assert_eq!((&again.car, again.recorded), (&Some(super::Car::Replay), true));
         assert!(!design.needs_a_model());
         for (protocol, key) in [
             (lasts.to_owned(), "protocol.world"),
             (format!("{lasts}\nworld = \"own\""), "protocol.world"),
             (
-                format!(
-                    "{}\nworld = \"same\"",
-                    lasts.replace("ride_s = 120", "ride_s = 60")
-                ),
+                format!("{}\nworld = \"same\"", lasts.replace("ride_s = 120", "ride_s = 60")),
                 "protocol.ride_s",
             ),
-            (
-                "steps = [\"rides\"]\nworld = \"same\"".to_owned(),
-                "protocol.steps",
-            ),
+            ("steps = [\"rides\"]\nworld = \"same\"".to_owned(), "protocol.steps"),
         ] {
             let error = told(&protocol).unwrap_err();
             assert!(error.contains(key), "{protocol}: {error}");
@@ -128,10 +108,7 @@ mod tests {
         ] {
             for steps in ["[\"rides\"]", "[\"rides\", \"drive\"]"] {
                 let told = design(car, steps).unwrap_err();
-                assert!(
-                    told.contains("the style of `other` is learned from it"),
-                    "{told}"
-                );
+                assert!(told.contains("the style of `other` is learned from it"), "{told}");
             }
             assert!(design(car, "[\"drive\", \"rides\"]").is_ok(), "{car}");
         }

@@ -10,9 +10,7 @@ pub fn schema() -> Value {
         settings.inline_subschemas = true;
         settings.transforms.push(Box::new(for_editors));
     });
-    let mut schema = settings
-        .into_generator()
-        .into_root_schema_for::<DesignToml>();
+    let mut schema = settings.into_generator().into_root_schema_for::<DesignToml>();
     schema.insert("title".into(), "study.toml: the design of a study".into());
     schema.into()
 }

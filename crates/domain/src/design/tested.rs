@@ -44,10 +44,7 @@ pub(super) fn outcomes(
             return refuse("outcome.same_within", within, expected);
         }
         let key = |field: &str| format!("outcome[{}].{field}", at + 1);
-        once(
-            &key("drop_items"),
-            raw.drop_items.iter().map(u32::to_string),
-        )?;
+        once(&key("drop_items"), raw.drop_items.iter().map(u32::to_string))?;
         if let (Some(measure), [_, ..]) = (&raw.measure, raw.drop_items.as_slice()) {
             let expected = "none: only a score has items";
             let dropped = format!("items of the measure `{measure}`");
@@ -136,10 +133,9 @@ pub(super) fn never_run(
     let conditions: Vec<&Condition> = conditions.iter().collect();
     match (factors.first(), covariates.first()) {
         (Some(factor), _) => Some(format!("`{test}` beside the [[factor]] `{}`", factor.name)),
-        (None, Some(covariate)) => Some(format!(
-            "`{test}` beside the [[covariate]] `{}`",
-            covariate.column
-        )),
+        (None, Some(covariate)) => {
+            Some(format!("`{test}` beside the [[covariate]] `{}`", covariate.column))
+        }
         (None, None) => {
             crossed(&conditions).map(|_| format!("`{test}` of conditions that cross two factors"))
         }
@@ -162,10 +158,7 @@ fn compared(
     refuse(
         key,
         format!("`{first}` and `{second}`"),
-        format!(
-            "a pair that `[contrasts]` compares: {}",
-            compared.join("; ")
-        ),
+        format!("a pair that `[contrasts]` compares: {}", compared.join("; ")),
     )
 }
 
@@ -195,12 +188,7 @@ pub(super) fn compare(raw: Option<CompareToml>, conditions: &[Condition]) -> Che
                     return refuse(KEY, format!("`{first}` with itself"), "two conditions");
                 }
             }
-            once(
-                KEY,
-                pairs
-                    .iter()
-                    .map(|&[a, b]| format!("{} and {}", a.min(b), a.max(b))),
-            )?;
+            once(KEY, pairs.iter().map(|&[a, b]| format!("{} and {}", a.min(b), a.max(b))))?;
             Ok(Compare::Pairs(pairs))
         }
     }
@@ -242,10 +230,5 @@ pub(super) fn hypothesis(
             );
         }
     };
-    Ok(Hypothesis {
-        says: raw.says,
-        outcome: raw.outcome,
-        contrast: raw.contrast,
-        claim,
-    })
+    Ok(Hypothesis { says: raw.says, outcome: raw.outcome, contrast: raw.contrast, claim })
 }

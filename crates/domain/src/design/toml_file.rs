@@ -185,10 +185,7 @@ pub(super) struct ConditionToml {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "each stands for a word of the file"
-)]
+#[expect(clippy::struct_excessive_bools, reason = "each stands for a word of the file")]
 pub(super) struct CarToml {
     /// Points of the style, or steps in quotes; 0 is the person's own style.
     pub(super) dial: Option<DialToml>,
@@ -238,10 +235,7 @@ pub(super) enum ReplayToml {
 
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "points, such as -15, or steps in quotes, such as \"-1\""
-)]
+#[serde(untagged, expecting = "points, such as -15, or steps in quotes, such as \"-1\"")]
 pub(super) enum DialToml {
     Points(f64),
     Steps(String),
@@ -386,10 +380,7 @@ pub(super) struct FactorToml {
 
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[derive(Debug, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "\"all\", \"against ID\", or a list of pairs of conditions"
-)]
+#[serde(untagged, expecting = "\"all\", \"against ID\", or a list of pairs of conditions")]
 pub(super) enum CompareToml {
     /// `all`, or `against` one.
     #[cfg_attr(feature = "schema", schemars(extend("pattern" = "^(all|against .+)$")))]

@@ -93,23 +93,17 @@ impl ValidateTable {
 
     /// The first key that its question needs and that it lacks.
     fn missing(&self) -> Option<&'static str> {
-        let pair = [
-            ("higher", self.higher.is_some()),
-            ("lower", !self.lower.is_empty()),
-        ];
+        let pair = [("higher", self.higher.is_some()), ("lower", !self.lower.is_empty())];
         let needed = match self.asks {
             Asks::Order | Asks::Shipped => pair.to_vec(),
             Asks::Direction => {
-                let drawn = [
-                    ("points", self.points.is_some()),
-                    ("directions", self.directions.is_some()),
-                ];
+                let drawn =
+                    [("points", self.points.is_some()), ("directions", self.directions.is_some())];
                 [pair, drawn].concat()
             }
-            Asks::Identity => vec![
-                ("among", self.among.is_some()),
-                ("sought", self.sought.is_some()),
-            ],
+            Asks::Identity => {
+                vec![("among", self.among.is_some()), ("sought", self.sought.is_some())]
+            }
             Asks::Retest | Asks::Errors => vec![("role", self.role.is_some())],
         };
         let mut needed = needed.into_iter();

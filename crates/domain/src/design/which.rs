@@ -91,10 +91,7 @@ mod tests {
                 "which = [\"mine\", \"mean\"]\nsteps = [\"drive\", \"which\", \"rides\"]",
                 "after `rides`",
             ),
-            (
-                "which = [\"mine\", \"mean\"]\nsteps = [\"drive\", \"rides\"]",
-                "after `rides`",
-            ),
+            ("which = [\"mine\", \"mean\"]\nsteps = [\"drive\", \"rides\"]", "after `rides`"),
             ("which = [\"mine\", \"mean\"]\nafter = [\"which\"]", "twice"),
         ] {
             let error = design(&format!("{line}\n{debrief}")).unwrap_err();

@@ -26,20 +26,14 @@ impl Square {
     pub fn row(self, conditions: usize, index: usize) -> Vec<usize> {
         match self {
             Self::Williams => williams(conditions, index),
-            Self::Latin => (0..conditions)
-                .map(|place| (place + index) % conditions)
-                .collect(),
+            Self::Latin => (0..conditions).map(|place| (place + index) % conditions).collect(),
         }
     }
 }
 
 /// Rows of the Williams square over so many conditions.
 pub fn williams_rows(conditions: usize) -> usize {
-    if conditions.is_multiple_of(2) {
-        conditions
-    } else {
-        2 * conditions
-    }
+    if conditions.is_multiple_of(2) { conditions } else { 2 * conditions }
 }
 
 /// The row `index` of a Williams square over `conditions` places: numbers from 0, each once.
@@ -55,11 +49,7 @@ pub fn williams(conditions: usize, index: usize) -> Vec<usize> {
     let row = index % williams_rows(conditions);
     let (shift, reversed) = (row % conditions, row >= conditions);
     let first = (0..conditions).map(|place| {
-        if place % 2 == 1 {
-            place.div_ceil(2)
-        } else {
-            (conditions - place / 2) % conditions
-        }
+        if place % 2 == 1 { place.div_ceil(2) } else { (conditions - place / 2) % conditions }
     });
     let mut order: Vec<usize> = first.map(|c| (c + shift) % conditions).collect();
     if reversed {

@@ -70,11 +70,7 @@ pub(super) fn label(rows: &mut Rows, road: &Road, rate_hz: f64) {
     let mut free_from = 0;
     for crossing in crossings(rows) {
         let new_lane = rows.lane[crossing];
-        let sign = if new_lane > rows.lane[crossing - 1] {
-            1.0
-        } else {
-            -1.0
-        };
+        let sign = if new_lane > rows.lane[crossing - 1] { 1.0 } else { -1.0 };
         let segment = rows.segment[crossing];
         let onward =
             |row: &usize| rows.segment[*row] == segment && speed[*row] * sign > LATERAL_SPEED_MPS;
@@ -88,10 +84,8 @@ pub(super) fn label(rows: &mut Rows, road: &Road, rate_hz: f64) {
         let arrived = |row: &usize| {
             speed[*row].abs() < LATERAL_SPEED_MPS && (rows.ego_y_m[*row] - centre).abs() < CENTRE_M
         };
-        let last_of_segment = (crossing..n)
-            .take_while(|&r| rows.segment[r] == segment)
-            .last()
-            .unwrap_or(crossing);
+        let last_of_segment =
+            (crossing..n).take_while(|&r| rows.segment[r] == segment).last().unwrap_or(crossing);
         let left_again = (crossing..=last_of_segment).find(|&r| rows.lane[r] != new_lane);
         let limit = left_again.unwrap_or(last_of_segment + 1);
         let end = (crossing..limit).find(arrived);
@@ -125,11 +119,7 @@ pub(super) fn events(rows: &Rows) -> Vec<LaneChange> {
         let next = rows.changing.get(row + 1);
         let completed = rows.change_completes[row];
         if completed || next != Some(&sign) {
-            let direction = if sign > 0 {
-                Direction::Left
-            } else {
-                Direction::Right
-            };
+            let direction = if sign > 0 { Direction::Left } else { Direction::Right };
             let gap_behind_m = match direction {
                 Direction::Left => rows.gap_behind_left_m[first],
                 Direction::Right => rows.gap_behind_right_m[first],
@@ -154,16 +144,11 @@ mod tests {
     const RATE: f64 = 20.0;
 
     fn rows(y: impl Fn(f64) -> f64, seconds: f64) -> Rows {
-        let time_s: Vec<f64> = (0..(seconds * RATE) as usize)
-            .map(|i| i as f64 / RATE)
-            .collect();
+        let time_s: Vec<f64> = (0..(seconds * RATE) as usize).map(|i| i as f64 / RATE).collect();
         let ego_y_m: Vec<f64> = time_s.iter().map(|&t| y(t)).collect();
         let n = time_s.len();
         let mut rows = Rows {
-            lane: ego_y_m
-                .iter()
-                .map(|&y| Road::PAPER.nearest_lane(y))
-                .collect(),
+            lane: ego_y_m.iter().map(|&y| Road::PAPER.nearest_lane(y)).collect(),
             segment: vec![0; n],
             gap_behind_left_m: vec![None; n],
             gap_behind_right_m: vec![Some(40.0); n],
@@ -187,14 +172,8 @@ mod tests {
         assert_eq!(changes.len(), 2);
         assert_eq!(changes[0].direction, Direction::Left);
         assert!(changes[0].completed && changes[1].completed);
-        assert!(
-            (changes[0].start as f64 / RATE - 5.0).abs() < 0.4,
-            "{changes:?}"
-        );
-        assert!(
-            (changes[0].end as f64 / RATE - 9.0).abs() < 0.4,
-            "{changes:?}"
-        );
+        assert!((changes[0].start as f64 / RATE - 5.0).abs() < 0.4, "{changes:?}");
+        assert!((changes[0].end as f64 / RATE - 9.0).abs() < 0.4, "{changes:?}");
         assert_eq!(changes[1].gap_behind_m, Some(40.0));
     }
 

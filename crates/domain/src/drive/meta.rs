@@ -38,19 +38,14 @@ impl DrivenBy {
 impl FromStr for DrivenBy {
     type Err = DomainError;
     fn from_str(text: &str) -> Result<Self, DomainError> {
-        [
-            Self::Human,
-            Self::Scripted,
-            Self::Synthetic,
-            Self::Automated,
-        ]
-        .into_iter()
-        .find(|d| d.as_str() == text)
-        .ok_or_else(|| DomainError::UnknownWord {
-            kind: "driver kind",
-            found: text.to_owned(),
-            expected: "human, scripted, synthetic, automated",
-        })
+        [Self::Human, Self::Scripted, Self::Synthetic, Self::Automated]
+            .into_iter()
+            .find(|d| d.as_str() == text)
+            .ok_or_else(|| DomainError::UnknownWord {
+                kind: "driver kind",
+                found: text.to_owned(),
+                expected: "human, scripted, synthetic, automated",
+            })
     }
 }
 
@@ -81,40 +76,23 @@ impl DriveMeta {
         condition: ConditionId,
         driven_by: DrivenBy,
     ) -> Self {
-        Self {
-            drive,
-            participant,
-            condition,
-            driven_by,
-            session: first(),
-            trial: first(),
-        }
+        Self { drive, participant, condition, driven_by, session: first(), trial: first() }
     }
 
     /// The same, of another session or trial.
     #[must_use]
     pub fn on(self, Occasion { session, trial }: Occasion) -> Self {
-        Self {
-            session,
-            trial,
-            ..self
-        }
+        Self { session, trial, ..self }
     }
 
     /// Which of several drives of the condition it is.
     pub fn occasion(&self) -> Occasion {
-        Occasion {
-            session: self.session,
-            trial: self.trial,
-        }
+        Occasion { session: self.session, trial: self.trial }
     }
 
     /// The condition, and which of several drives in it.
     pub fn ride(&self) -> Ride {
-        Ride {
-            condition: self.condition,
-            occasion: self.occasion(),
-        }
+        Ride { condition: self.condition, occasion: self.occasion() }
     }
 
     /// The same of ids as texts.

@@ -36,10 +36,7 @@ const TAKE_OVER_FASTER_MPS: f64 = 0.5;
 impl ReferenceTracker {
     /// A tracker that has seen nothing yet.
     pub fn new(road: Road) -> Self {
-        Self {
-            road,
-            current: None,
-        }
+        Self { road, current: None }
     }
 
     /// Takes the next scene and gives the signals about the reference vehicle in it.
@@ -68,11 +65,7 @@ impl ReferenceTracker {
         };
 
         let current = self.current.and_then(|tracked| {
-            let vehicle = scene
-                .vehicles
-                .iter()
-                .filter(near)
-                .find(|v| v.id == tracked.id)?;
+            let vehicle = scene.vehicles.iter().filter(near).find(|v| v.id == tracked.id)?;
             Some((vehicle, tracked.passing))
         });
         let passed = current.filter(|(vehicle, passing)| {
@@ -99,10 +92,7 @@ impl ReferenceTracker {
                 .or_else(|| behind_right().map(|v| (v, true)))
                 .or_else(|| ahead.map(|v| (v, false))),
         };
-        self.current = chosen.map(|(vehicle, passing)| Tracked {
-            id: vehicle.id,
-            passing,
-        });
+        self.current = chosen.map(|(vehicle, passing)| Tracked { id: vehicle.id, passing });
         match chosen {
             Some((vehicle, _)) => Reference {
                 vehicle: Some(vehicle.id),
@@ -123,12 +113,7 @@ mod tests {
     fn scene(ego: (f64, f64), others: &[(u32, f64, f64, f64)]) -> Scene {
         Scene {
             time_s: 0.0,
-            ego: EgoState {
-                x_m: ego.0,
-                y_m: ego.1,
-                speed_mps: 30.0,
-                length_m: 5.0,
-            },
+            ego: EgoState { x_m: ego.0, y_m: ego.1, speed_mps: 30.0, length_m: 5.0 },
             vehicles: others
                 .iter()
                 .map(|&(id, x_m, y_m, speed_mps)| VehicleState {
@@ -151,11 +136,7 @@ mod tests {
         let mut tracker = ReferenceTracker::new(Road::PAPER);
         let seen = tracker.observe(&scene(
             (0.0, 0.0),
-            &[
-                (1, 90.0, 0.0, 25.0),
-                (2, 50.0, 0.0, 25.0),
-                (3, 20.0, 3.66, 25.0),
-            ],
+            &[(1, 90.0, 0.0, 25.0), (2, 50.0, 0.0, 25.0), (3, 20.0, 3.66, 25.0)],
         ));
         assert_eq!(lead(&seen), Some(2));
         assert!((seen.dx_m - 45.0).abs() < 1e-12);
@@ -164,10 +145,7 @@ mod tests {
     #[test]
     fn a_car_beside_a_road_of_one_lane_has_the_car_ahead_of_it_as_reference() {
         let width = Road::PAPER.lane_width_m;
-        let road = Road {
-            lanes: 1,
-            ..Road::PAPER
-        };
+        let road = Road { lanes: 1, ..Road::PAPER };
         for y in [-width, 0.0, width] {
             let others = [(1, 50.0, y, 25.0), (2, 30.0, y + 2.0 * width, 25.0)];
             let seen = ReferenceTracker::new(road).observe(&scene((0.0, y), &others));
@@ -189,20 +167,11 @@ mod tests {
     #[test]
     fn a_passed_vehicle_stays_the_reference_until_ego_merges_back() {
         let mut tracker = ReferenceTracker::new(Road::PAPER);
-        assert_eq!(
-            lead(&tracker.observe(&scene((0.0, 0.0), &[(1, 50.0, 0.0, 25.0)]))),
-            Some(1)
-        );
+        assert_eq!(lead(&tracker.observe(&scene((0.0, 0.0), &[(1, 50.0, 0.0, 25.0)]))), Some(1));
         for (x, y) in [(10.0, 2.0), (30.0, 3.66), (60.0, 3.66), (90.0, 3.66)] {
-            assert_eq!(
-                lead(&tracker.observe(&scene((x, y), &[(1, 50.0, 0.0, 25.0)]))),
-                Some(1)
-            );
+            assert_eq!(lead(&tracker.observe(&scene((x, y), &[(1, 50.0, 0.0, 25.0)]))), Some(1));
         }
-        assert_eq!(
-            lead(&tracker.observe(&scene((95.0, 1.0), &[(1, 50.0, 0.0, 25.0)]))),
-            None
-        );
+        assert_eq!(lead(&tracker.observe(&scene((95.0, 1.0), &[(1, 50.0, 0.0, 25.0)]))), None);
     }
 
     #[test]
@@ -210,10 +179,8 @@ mod tests {
         for (speed, expected) in [(25.0, 2), (35.0, 1)] {
             let mut tracker = ReferenceTracker::new(Road::PAPER);
             tracker.observe(&scene((0.0, 0.0), &[(1, 50.0, 0.0, 25.0)]));
-            let seen = tracker.observe(&scene(
-                (10.0, 3.0),
-                &[(1, 50.0, 0.0, 25.0), (2, 80.0, 3.66, speed)],
-            ));
+            let seen = tracker
+                .observe(&scene((10.0, 3.0), &[(1, 50.0, 0.0, 25.0), (2, 80.0, 3.66, speed)]));
             assert_eq!(lead(&seen), Some(expected));
         }
     }

@@ -39,10 +39,7 @@ impl Kind {
 
     /// Whether the answers are points of one scale: they can be reversed, and items of it have a reliability.
     pub fn rates(self) -> bool {
-        matches!(
-            self,
-            Self::Likert | Self::Bipolar | Self::Slider | Self::Ladder
-        )
+        matches!(self, Self::Likert | Self::Bipolar | Self::Slider | Self::Ladder)
     }
 
     /// Whether each answer has words of its own, its levels.

@@ -91,17 +91,10 @@ impl FromStr for Moment {
             Self::POST => return Ok(Self::Post),
             other => match other.strip_prefix(Self::PROBE) {
                 Some(id) => (Self::Probe, id),
-                None => (
-                    Self::After,
-                    other.strip_prefix(Self::AFTER).unwrap_or(other),
-                ),
+                None => (Self::After, other.strip_prefix(Self::AFTER).unwrap_or(other)),
             },
         };
-        id.parse()
-            .map(make)
-            .map_err(|_| DomainError::UnknownMoment {
-                found: text.to_owned(),
-            })
+        id.parse().map(make).map_err(|_| DomainError::UnknownMoment { found: text.to_owned() })
     }
 }
 

@@ -152,10 +152,7 @@ impl Scale {
         let problem = self.contradiction().err();
         match problem {
             None => Ok(self),
-            Some(problem) => Err(DomainError::BadScale {
-                scale: self.id,
-                problem,
-            }),
+            Some(problem) => Err(DomainError::BadScale { scale: self.id, problem }),
         }
     }
 
@@ -167,9 +164,7 @@ impl Scale {
         let ids = std::iter::once(&self.id).chain(self.subscales.iter().map(|s| &s.id));
         for id in ids {
             if !is_code_name(id) {
-                return Err(format!(
-                    "id `{id}` must be lower-case letters, digits and `_`"
-                ));
+                return Err(format!("id `{id}` must be lower-case letters, digits and `_`"));
             }
         }
         let share = self.min_answered;
@@ -181,8 +176,7 @@ impl Scale {
             if self.subscales[..place].iter().any(|s| s.id == *id) {
                 return Err(format!("subscale `{id}` is defined twice"));
             }
-            self.subscale(subscale)
-                .map_err(|problem| format!("subscale `{id}`{problem}"))?;
+            self.subscale(subscale).map_err(|problem| format!("subscale `{id}`{problem}"))?;
         }
         if let Some(column) = self.column.as_deref().filter(|c| !c.contains("{item}")) {
             return Err(format!(
@@ -196,10 +190,7 @@ impl Scale {
     fn subscale(&self, sub: &Subscale) -> Result<(), String> {
         let n = self.items.len();
         if !(sub.weight.is_finite() && sub.weight > 0.0) {
-            return Err(format!(
-                ": weight is {}, expected a number above 0",
-                sub.weight
-            ));
+            return Err(format!(": weight is {}, expected a number above 0", sub.weight));
         }
         if sub.sum_of.is_empty() && sub.items.is_empty() {
             return Err(" has no items".to_owned());
@@ -217,9 +208,7 @@ impl Scale {
             }
             if matches!(asked.kind, Kind::Choice | Kind::Text) {
                 let kind = asked.kind.name();
-                return Err(format!(
-                    " scores item {item}, a `{kind}`: its answers are no numbers"
-                ));
+                return Err(format!(" scores item {item}, a `{kind}`: its answers are no numbers"));
             }
             if asked.expected.is_some() {
                 return Err(format!(
@@ -245,16 +234,14 @@ impl Scale {
             return Err(format!(": same is {same}, expected {low} to {high}"));
         }
         let norms = sub.norms.as_ref();
-        norms.map_or(Ok(()), |norms| {
-            norms.check((low, high)).map_err(|p| format!(": {p}"))
-        })
+        norms.map_or(Ok(()), |norms| norms.check((low, high)).map_err(|p| format!(": {p}")))
     }
 
     /// What is wrong with a score that adds up others.
     fn sum(&self, sub: &Subscale) -> Result<(), String> {
         if !sub.items.is_empty() || self.scoring != Scoring::Sum {
             return Err(
-                " has `sum_of`, expected no `items` of its own and scoring = \"sum\"".to_owned(),
+                " has `sum_of`, expected no `items` of its own and scoring = \"sum\"".to_owned()
             );
         }
         for id in &sub.sum_of {
@@ -288,9 +275,7 @@ impl Scale {
                 return Err(format!("{pair} is {}, expected between -1 and 1", found.r));
             }
             if found.source.trim().is_empty() {
-                return Err(format!(
-                    "{pair}: source is empty, expected a publication or `chosen`"
-                ));
+                return Err(format!("{pair}: source is empty, expected a publication or `chosen`"));
             }
         }
         Ok(())

@@ -109,13 +109,10 @@ impl Scale {
     /// # Ok::<(), maveric_domain::DomainError>(())
     /// ```
     pub fn from_toml(text: &str) -> Result<Self, DomainError> {
-        let file: ScaleFile = toml::from_str(text).map_err(|e| DomainError::ScaleToml {
-            problem: e.to_string().trim_end().to_owned(),
-        })?;
+        let file: ScaleFile = toml::from_str(text)
+            .map_err(|e| DomainError::ScaleToml { problem: e.to_string().trim_end().to_owned() })?;
         let scale = file.id.clone();
-        let scale = file
-            .scale()
-            .map_err(|problem| DomainError::BadScale { scale, problem })?;
+        let scale = file.scale().map_err(|problem| DomainError::BadScale { scale, problem })?;
         scale.checked()
     }
 }
@@ -193,13 +190,13 @@ impl ScaleFile {
         let listed = lists.into_iter().find(|n| *n > 0);
         let Some(n) = self.items.or(listed) else {
             return Err(
-                "has no items, expected `items = N`, `wording`, `pairs` or [[item]]".to_owned(),
+                "has no items, expected `items = N`, `wording`, `pairs` or [[item]]".to_owned()
             );
         };
         match tables {
-            _ if !(1..=MOST_ITEMS).contains(&n) => Err(format!(
-                "{n} items, expected at least one item and at most {MOST_ITEMS}"
-            )),
+            _ if !(1..=MOST_ITEMS).contains(&n) => {
+                Err(format!("{n} items, expected at least one item and at most {MOST_ITEMS}"))
+            }
             0 => Ok(n),
             tables if tables == n => Ok(n),
             tables => Err(format!("has {tables} tables [[item]] for {n} items")),
@@ -211,18 +208,14 @@ impl ScaleFile {
         let kind = table.kind.unwrap_or(self.kind);
         let bad = |problem: String| Err(format!("item {number}: {problem}"));
         let of_scale = |key: Option<i32>| key.filter(|_| kind == self.kind);
-        let (mut min, mut max) = (
-            table.min.or(of_scale(self.min)),
-            table.max.or(of_scale(self.max)),
-        );
+        let (mut min, mut max) =
+            (table.min.or(of_scale(self.min)), table.max.or(of_scale(self.max)));
         let step = table.step.or(of_scale(self.step));
         if kind.has_levels() {
             let levels = self.levels_of(table, kind, min.zip(max));
             if levels < 2 {
                 let kind = kind.name();
-                return bad(format!(
-                    "a `{kind}` with {levels} `levels`, expected two or more"
-                ));
+                return bad(format!("a `{kind}` with {levels} `levels`, expected two or more"));
             }
             let lowest = min.unwrap_or(1);
             let highest = lowest.saturating_add(levels - 1);
@@ -269,9 +262,7 @@ impl ScaleFile {
         match item.expected {
             Some(answer) if !item.takes(answer) => {
                 let range = item.range();
-                bad(format!(
-                    "expected is {answer}, which is no answer ({range})"
-                ))
+                bad(format!("expected is {answer}, which is no answer ({range})"))
             }
             _ => Ok(item),
         }

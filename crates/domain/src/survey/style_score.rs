@@ -16,10 +16,7 @@ pub struct ScoreRange {
 
 impl ScoreRange {
     /// The Aggressive Driving Behavior scale: 11 to 55 points.
-    pub const ADB: Self = Self {
-        low: 11.0,
-        high: 55.0,
-    };
+    pub const ADB: Self = Self { low: 11.0, high: 55.0 };
 
     /// Scores between two numbers.
     ///
@@ -160,14 +157,8 @@ mod tests {
     fn a_score_outside_its_scale_and_ends_that_are_none_are_refused() {
         let risky = ScoreRange::new(1.0, 6.0).unwrap();
         let score = risky.score(6.0).unwrap();
-        assert_eq!(
-            (score.points().to_bits(), score.range()),
-            (6.0_f64.to_bits(), risky)
-        );
-        assert_eq!(
-            risky.score(6.5).unwrap_err().to_string(),
-            "a score of 6.5, expected 1 to 6"
-        );
+        assert_eq!((score.points().to_bits(), score.range()), (6.0_f64.to_bits(), risky));
+        assert_eq!(risky.score(6.5).unwrap_err().to_string(), "a score of 6.5, expected 1 to 6");
         assert!(ScoreRange::new(6.0, 1.0).is_err() && ScoreRange::new(0.0, f64::NAN).is_err());
         assert!(serde_json::from_str::<ScoreRange>("[6.0, 1.0]").is_err());
         let text = serde_json::to_string(&risky).unwrap();

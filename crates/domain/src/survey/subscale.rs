@@ -42,12 +42,7 @@ impl Subscale {
         Self {
             id: without_items(&self.id, items),
             title: format!("{} without {noun} {}", self.title, numbers.join(", ")),
-            items: self
-                .items
-                .iter()
-                .copied()
-                .filter(|item| !items.contains(item))
-                .collect(),
+            items: self.items.iter().copied().filter(|item| !items.contains(item)).collect(),
             norms: None,
             ..self.clone()
         }
@@ -124,14 +119,10 @@ impl Norms {
         let widest = (high - low) / 2.0;
         let (mean, sd, alpha) = (self.mean, self.sd, self.alpha);
         if !(mean > low && mean < high) {
-            return Err(format!(
-                "norms.mean is {mean}, expected between {low} and {high}"
-            ));
+            return Err(format!("norms.mean is {mean}, expected between {low} and {high}"));
         }
         if !(sd > 0.0 && sd < widest) {
-            return Err(format!(
-                "norms.sd is {sd}, expected above 0 and below {widest}"
-            ));
+            return Err(format!("norms.sd is {sd}, expected above 0 and below {widest}"));
         }
         if !(alpha > 0.0 && alpha < 1.0) {
             return Err(format!("norms.alpha is {alpha}, expected between 0 and 1"));

@@ -37,11 +37,9 @@ impl Words {
         items: &[Item],
     ) -> Result<Wording, String> {
         let n = items.len();
-        for (key, found) in [
-            (texts, self.items.len()),
-            ("pairs", self.pairs.len()),
-            ("[[item]]", self.item.len()),
-        ] {
+        for (key, found) in
+            [(texts, self.items.len()), ("pairs", self.pairs.len()), ("[[item]]", self.item.len())]
+        {
             if found != 0 && found != n {
                 return Err(format!("{key} has {found} texts for {n} items"));
             }
@@ -57,10 +55,7 @@ impl Words {
             let table_text = table.map(|t| t.text.clone()).unwrap_or_default();
             let pair = table.map(|t| &t.pair).filter(|pair| !pair.is_empty());
             let words = RawWords {
-                text: [
-                    self.items.get(place).cloned().unwrap_or_default(),
-                    table_text,
-                ],
+                text: [self.items.get(place).cloned().unwrap_or_default(), table_text],
                 pair: pair.or_else(|| self.pairs.get(place)).cloned(),
                 anchors: list(|t| &t.anchors, &self.anchors),
                 levels: list(|t| &t.levels, &self.levels),
@@ -69,21 +64,10 @@ impl Words {
             worded.push(checked.map_err(|problem| format!("item {}: {problem}", place + 1))?);
         }
         let given = worded.iter().filter(|w| w.is_worded()).count();
-        if let Some(without) = worded
-            .iter()
-            .position(|w| !w.is_worded())
-            .filter(|_| given > 0)
-        {
-            return Err(format!(
-                "item {} has no text, and {given} of {n} have one",
-                without + 1
-            ));
+        if let Some(without) = worded.iter().position(|w| !w.is_worded()).filter(|_| given > 0) {
+            return Err(format!("item {} has no text, and {given} of {n} have one", without + 1));
         }
-        Ok(Wording {
-            shown_title: self.shown_title,
-            instruction: self.instruction,
-            items: worded,
-        })
+        Ok(Wording { shown_title: self.shown_title, instruction: self.instruction, items: worded })
     }
 }
 
@@ -109,9 +93,7 @@ impl RawWords {
                 Some(pair)
             }
             Some(Ok(_)) if item.kind != Kind::Bipolar => {
-                return Err(format!(
-                    "a `{kind}` has no pair, expected kind = \"bipolar\""
-                ));
+                return Err(format!("a `{kind}` has no pair, expected kind = \"bipolar\""));
             }
             Some(Ok(pair)) => return Err(format!("pair {pair:?}, expected two words")),
             Some(Err(words)) => return Err(format!("pair {words:?}, expected two words")),
@@ -121,11 +103,7 @@ impl RawWords {
         }
         let takes_anchors = matches!(item.kind, Kind::Likert | Kind::Slider);
         if !self.anchors.is_empty() && !takes_anchors {
-            let expected = if item.kind.has_levels() {
-                "`levels`"
-            } else {
-                "none"
-            };
+            let expected = if item.kind.has_levels() { "`levels`" } else { "none" };
             return Err(format!("a `{kind}` has no `anchors`, expected {expected}"));
         }
         let (found, points) = (self.anchors.len(), item.points());
@@ -143,11 +121,7 @@ impl RawWords {
         Ok(ItemWords {
             text: if listed.is_empty() { own } else { listed },
             pair,
-            anchors: if takes_anchors {
-                self.anchors
-            } else {
-                self.levels
-            },
+            anchors: if takes_anchors { self.anchors } else { self.levels },
         })
     }
 }

@@ -38,10 +38,7 @@ fn every_length_and_angle_of_the_protocol_ends_where_it_says() {
 fn fifty_conditions_are_a_study_and_one_more_is_none() {
     let study = |n: usize| {
         let conditions = (0..n).map(|i| format!("[[condition]]\nid = \"c{i}\"\n"));
-        read(&format!(
-            "[study]\ntitle = \"x\"\n{}",
-            conditions.collect::<String>()
-        ))
+        read(&format!("[study]\ntitle = \"x\"\n{}", conditions.collect::<String>()))
     };
     assert_eq!(study(50).unwrap().contrasts().len(), 1225);
     assert!(study(51).unwrap_err().contains("at most 50"));
@@ -50,35 +47,17 @@ fn fifty_conditions_are_a_study_and_one_more_is_none() {
 #[test]
 fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
     for (more, said) in [
-        (
-            "[contrast]\ncompare = \"all\"",
-            "line 16: unknown field `contrast`",
-        ),
+        ("[contrast]\ncompare = \"all\"", "line 16: unknown field `contrast`"),
         ("[contrast]\ncompare = \"all\"", "did you mean `contrasts`?"),
-        (
-            "[exclude]\nstraightlined = true",
-            "did you mean `straight_lined`?",
-        ),
-        (
-            "[[condition]]\nid = \"calm\"",
-            "`condition.id`: found `calm` twice",
-        ),
-        (
-            "[[condition]]\nid = \"so calm\"",
-            "line 17: condition `so calm` must be",
-        ),
+        ("[exclude]\nstraightlined = true", "did you mean `straight_lined`?"),
+        ("[[condition]]\nid = \"calm\"", "`condition.id`: found `calm` twice"),
+        ("[[condition]]\nid = \"so calm\"", "line 17: condition `so calm` must be"),
         (
             "[[condition]]\nid = \"x\"\ncar = { dial = 1, mean = true }",
             "`condition.x.car`: found `dial` and `mean`",
         ),
-        (
-            "[[condition]]\nid = \"x\"\ncar = { dial = \"far\" }",
-            "number of steps",
-        ),
-        (
-            "[[condition]]\nid = \"x\"\ncar = { dial = true }",
-            "points, such as -15",
-        ),
+        ("[[condition]]\nid = \"x\"\ncar = { dial = \"far\" }", "number of steps"),
+        ("[[condition]]\nid = \"x\"\ncar = { dial = true }", "points, such as -15"),
         ("[[condition]]\nid = \"x\"\ncar = {}", "found no car"),
         (
             "[[condition]]\nid = \"x\"\nlevels = { traffic = \"dense\" }",
@@ -89,39 +68,18 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
             "[contrasts]\ncompare = \"against calmm\"",
             "found `calmm`, expected one of `calm`, `sporty`; did you mean `calm`?",
         ),
-        (
-            "[contrasts]\ncompare = [[\"calm\", \"spotry\"]]",
-            "did you mean `sporty`?",
-        ),
-        (
-            "[contrasts]\ncompare = [[\"calm\", \"sporty\"], [\"sporty\", \"calm\"]]",
-            "twice",
-        ),
+        ("[contrasts]\ncompare = [[\"calm\", \"spotry\"]]", "did you mean `sporty`?"),
+        ("[contrasts]\ncompare = [[\"calm\", \"sporty\"], [\"sporty\", \"calm\"]]", "twice"),
         (
             "[protocol]\nsteps = [\"rides\", \"drive\"]",
             "`protocol.steps`: found rides without a drive before them",
         ),
-        (
-            "[protocol]\nsteps = [\"drive\", \"drive\"]",
-            "found drive twice, expected each once",
-        ),
-        (
-            "[protocol]\nride_s = 1",
-            "`protocol.ride_s`: found 1, expected 10 to 7200 s",
-        ),
-        (
-            "[protocol]\nconsnet = \"consent.md\"",
-            "did you mean `consent`?",
-        ),
+        ("[protocol]\nsteps = [\"drive\", \"drive\"]", "found drive twice, expected each once"),
+        ("[protocol]\nride_s = 1", "`protocol.ride_s`: found 1, expected 10 to 7200 s"),
+        ("[protocol]\nconsnet = \"consent.md\"", "did you mean `consent`?"),
         ("[contrasts]\ncompare = \"some\"", "\"against ID\""),
-        (
-            "[[outcome]]\nmeasure = \"a\"\nscale = \"b.c\"",
-            "one of them",
-        ),
-        (
-            "[[outcome]]\nscale = \"comfort\"",
-            "expected SCALE.SUBSCALE",
-        ),
+        ("[[outcome]]\nmeasure = \"a\"\nscale = \"b.c\"", "one of them"),
+        ("[[outcome]]\nscale = \"comfort\"", "expected SCALE.SUBSCALE"),
         (
             "[[outcome]]\nmeasure = \"speed\"\n[[hypothesis]]\nsays = \"x\"\noutcome = \"sped\"\ncontrast = [\"calm\", \"sporty\"]\ndirection = \"+\"",
             "`hypothesis[1].outcome`: found `sped`, expected `speed`; did you mean `speed`?",
@@ -134,10 +92,7 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
             "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"sporty\"]",
             "neither `direction` nor `equivalent`",
         ),
-        (
-            "[contrasts]\ncompare = [[\"calm\", \"calm\"]]",
-            "`calm` with itself",
-        ),
+        ("[contrasts]\ncompare = [[\"calm\", \"calm\"]]", "`calm` with itself"),
         (
             "[contrasts]\ncompare = \"against calm\"\n[[condition]]\nid = \"x\"\n[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"x\", \"sporty\"]\ndirection = \"+\"",
             "a pair that `[contrasts]` compares: calm and sporty; calm and x",
@@ -150,34 +105,19 @@ fn a_fault_is_named_with_its_key_and_what_would_be_possible() {
             "[[hypothesis]]\nsays = \"x\"\noutcome = \"speed\"\ncontrast = [\"calm\", \"sporty\"]\nequivalent = [1, 1]",
             "`hypothesis[1].equivalent`",
         ),
-        (
-            "[[outcome]]\nmeasure = \"speed\"\nsame_within = 0",
-            "`outcome.same_within`",
-        ),
+        ("[[outcome]]\nmeasure = \"speed\"\nsame_within = 0", "`outcome.same_within`"),
         (
             "[[outcome]]\nmeasure = \"speed\"\n[[outcome]]\nmeasure = \"speed\"",
             "`outcome`: found `speed` twice",
         ),
-        (
-            "[[outcome]]\nlabel = \"x\"",
-            "neither `measure` nor `scale`",
-        ),
+        ("[[outcome]]\nlabel = \"x\"", "neither `measure` nor `scale`"),
         ("[exclude]\ndrive_shorter_than_s = 0", "seconds above 0"),
         ("[exclude]\ndrives = { d = \" \" }", "`exclude: d`"),
         ("[exclude]\npeople = { P07 = \"\" }", "expected the reason"),
         ("[exclude]\ndrive_shorter_than_s = -1", "seconds above 0"),
-        (
-            "[baseline]\nid = \"own\"\n[[role]]\nid = \"own\"",
-            "the baseline's",
-        ),
-        (
-            "[[role]]\nid = \"fast\"\nscore = inf",
-            "`role.score`: found inf of `fast`",
-        ),
-        (
-            "[[role]]\nid = \"fast\"\nrepeats = \"fast\"",
-            "`role.repeats`: found `fast` of `fast`",
-        ),
+        ("[baseline]\nid = \"own\"\n[[role]]\nid = \"own\"", "the baseline's"),
+        ("[[role]]\nid = \"fast\"\nscore = inf", "`role.score`: found inf of `fast`"),
+        ("[[role]]\nid = \"fast\"\nrepeats = \"fast\"", "`role.repeats`: found `fast` of `fast`"),
         (
             "[[role]]\nid = \"a\"\n[[role]]\nid = \"b\"\nrepeats = \"a\"\nscore = 20",
             "it has that of the role it repeats",
@@ -215,11 +155,7 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
     let within = |to: &str| read(&SMALL.replace("points = 15", to));
     assert!(within("points = 7.5\nrange = [1, 8.5]").is_ok());
     assert!(within("points = 0").unwrap_err().contains("`style.points`"));
-    assert!(
-        within("points = 1\nrange = [6, 6]")
-            .unwrap_err()
-            .contains("`style.range`")
-    );
+    assert!(within("points = 1\nrange = [6, 6]").unwrap_err().contains("`style.range`"));
     let narrow = SMALL.replace("points = 15", "points = 1\nrange = [1, 6]");
     let error = read(&narrow).unwrap_err();
     let said = "`condition.sporty.car.dial`: found 7.5, expected at most 5";
@@ -233,14 +169,8 @@ fn a_dial_needs_a_style_and_a_learned_car_somebody_to_learn_from() {
 #[test]
 fn a_study_without_conditions_or_title_is_none() {
     for (text, said) in [
-        (
-            "[study]\ntitle = \"x\"".to_owned(),
-            "at least one [[condition]]",
-        ),
-        (
-            "[[condition]]\nid = \"x\"".to_owned(),
-            "missing field `study`",
-        ),
+        ("[study]\ntitle = \"x\"".to_owned(), "at least one [[condition]]"),
+        ("[[condition]]\nid = \"x\"".to_owned(), "missing field `study`"),
         (SMALL.replace("Calm, normal, sporty", " "), "study.title"),
         ("[study".to_owned(), "line 1: "),
     ] {
@@ -258,10 +188,7 @@ fn labels_are_given_once_factors_have_levels_and_a_car_is_of_one_kind() {
     };
     assert!(two("", "id = \"b\"").is_ok());
     let matched = |more: &str| {
-        let design = two(
-            &format!("car = {{ other = \"matched\"{more} }}"),
-            "id = \"b\"",
-        );
+        let design = two(&format!("car = {{ other = \"matched\"{more} }}"), "id = \"b\"");
         design.unwrap().conditions()[0].car.clone().unwrap()
     };
     let lent = |from, apart_sd| Car::Matched(Matched { from, apart_sd });
@@ -271,41 +198,21 @@ fn labels_are_given_once_factors_have_levels_and_a_car_is_of_one_kind() {
     // The word for before the drives is as good an id as any.
     assert!(two("", "id = \"pre\"").is_ok());
     for (first, second, expected) in [
-        (
-            "label = \"Calm\"",
-            "id = \"b\"\nlabel = \"Calm\"",
-            "`Calm` twice",
-        ),
+        ("label = \"Calm\"", "id = \"b\"\nlabel = \"Calm\"", "`Calm` twice"),
         (
             "levels = { pace = \"slow\" }",
             "id = \"b\"\nlevels = { pace = \"slow\" }",
             "`slow` in every condition",
         ),
-        (
-            "car = { dial = 1, across = true }",
-            "id = \"b\"",
-            "`dial` and `across`",
-        ),
-        (
-            "car = { other = \"matched\", mean = true }",
-            "id = \"b\"",
-            "`mean` and `other`",
-        ),
+        ("car = { dial = 1, across = true }", "id = \"b\"", "`dial` and `across`"),
+        ("car = { other = \"matched\", mean = true }", "id = \"b\"", "`mean` and `other`"),
         (
             "car = { dial = 0, apart = [1, 2] }",
             "id = \"b\"",
             "`condition.a.car.apart`: found a car that has nobody else's style",
         ),
-        (
-            "car = { other = \"matched\", apart = [2.5, 0.7] }",
-            "id = \"b\"",
-            "found [2.5, 0.7]",
-        ),
-        (
-            "car = { other = \"alike\" }",
-            "id = \"b\"",
-            "unknown variant `alike`",
-        ),
+        ("car = { other = \"matched\", apart = [2.5, 0.7] }", "id = \"b\"", "found [2.5, 0.7]"),
+        ("car = { other = \"alike\" }", "id = \"b\"", "unknown variant `alike`"),
     ] {
         let refused = two(first, second).unwrap_err();
         assert!(refused.contains(expected), "{refused}");
@@ -329,31 +236,13 @@ fn tables_of_people_left_out_name_the_key_that_they_lack() {
     assert!(order.learn.is_empty() && !order.seen && order.lower.len() == 1);
     for (keys, said) in [
         ("asks = \"guess\"\n", "unknown variant `guess`"),
-        (
-            "asks = \"retest\"\nrole = \"calm\"\nstatistic = \"t\"\n",
-            "unknown field `statistic`",
-        ),
+        ("asks = \"retest\"\nrole = \"calm\"\nstatistic = \"t\"\n", "unknown field `statistic`"),
         ("asks = \"order\"\n", "`validate.table.a.higher`"),
-        (
-            "asks = \"order\"\nhigher = \"sporty\"\n",
-            "`validate.table.a.lower`",
-        ),
-        (
-            &format!("asks = \"direction\"\n{pair}directions = 9\n"),
-            "`validate.table.a.points`",
-        ),
-        (
-            &format!("asks = \"direction\"\n{pair}points = 0\ndirections = 9\n"),
-            "other than 0",
-        ),
-        (
-            &format!("asks = \"direction\"\n{pair}points = 15\ndirections = 0\n"),
-            "at least 1",
-        ),
-        (
-            "asks = \"identity\"\namong = \"calm\"\n",
-            "`validate.table.a.sought`",
-        ),
+        ("asks = \"order\"\nhigher = \"sporty\"\n", "`validate.table.a.lower`"),
+        (&format!("asks = \"direction\"\n{pair}directions = 9\n"), "`validate.table.a.points`"),
+        (&format!("asks = \"direction\"\n{pair}points = 0\ndirections = 9\n"), "other than 0"),
+        (&format!("asks = \"direction\"\n{pair}points = 15\ndirections = 0\n"), "at least 1"),
+        ("asks = \"identity\"\namong = \"calm\"\n", "`validate.table.a.sought`"),
         ("asks = \"errors\"\n", "`validate.table.a.role`"),
         (
             "asks = \"retest\"\nrole = \"clam\"\n",

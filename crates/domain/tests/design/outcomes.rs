@@ -23,10 +23,7 @@ fn a_covariate_is_multiplied_by_an_effect_within_people_alone() {
         + &level("c", "high", "day")
         + &level("d", "high", "night");
     for name in ["speed", "light", "light:speed"] {
-        assert!(
-            read(&(crossed.clone() + &covariate(name))).is_ok(),
-            "{name}"
-        );
+        assert!(read(&(crossed.clone() + &covariate(name))).is_ok(), "{name}");
     }
     let error = read(&(crossed + &covariate("condition"))).unwrap_err();
     assert!(error.contains("`light`, `speed`, `light:speed`"), "{error}");
@@ -52,23 +49,11 @@ fn a_measure_of_the_studys_own_has_a_unit_a_name_and_perhaps_a_direction() {
     let refused = |more: &str| with(&format!("[[measure]]\n{more}")).unwrap_err();
     for (more, said) in [
         ("id = \"tor\"", "`measure.tor.unit`: found nothing"),
-        (
-            "id = \"tor\"\nunit = \" \"",
-            "`measure.tor.unit`: found nothing",
-        ),
+        ("id = \"tor\"\nunit = \" \"", "`measure.tor.unit`: found nothing"),
         ("id = \"a.b\"\nunit = \"s\"", "`measure.id`: found `a.b`"),
-        (
-            "id = \"trial\"\nunit = \"s\"",
-            "`measure.id`: found `trial`",
-        ),
-        (
-            "id = \"a\"\nunit = \"s\"\n[[measure]]\nid = \"a\"\nunit = \"m\"",
-            "`a` twice",
-        ),
-        (
-            "id = \"a\"\nunit = \"s\"\naggression = \"up\"",
-            "unknown variant `up`",
-        ),
+        ("id = \"trial\"\nunit = \"s\"", "`measure.id`: found `trial`"),
+        ("id = \"a\"\nunit = \"s\"\n[[measure]]\nid = \"a\"\nunit = \"m\"", "`a` twice"),
+        ("id = \"a\"\nunit = \"s\"\naggression = \"up\"", "unknown variant `up`"),
     ] {
         let error = refused(more);
         assert!(error.contains(said), "{error}");
@@ -85,21 +70,11 @@ fn factors_and_levels_are_called_by_their_labels_and_stand_in_the_order_of_the_c
         [[factor]]\ncolumn = \"group\"\n[[covariate]]\ncolumn = \"age\"\nlabel = \"Age\"\n";
     let design = Design::from_toml(&format!("{CROSSED}{labels}")).unwrap();
     let within = design.factors_within();
-    let levels = |factor: &str| {
-        within
-            .iter()
-            .find(|(name, _)| name == factor)
-            .unwrap()
-            .1
-            .clone()
-    };
+    let levels = |factor: &str| within.iter().find(|(name, _)| name == factor).unwrap().1.clone();
     assert_eq!(levels("style"), ["sporty", "calm"]);
     assert_eq!(levels("road"), ["town", "land"]);
     let label = |name| design.factor_label(name);
-    assert_eq!(
-        [label("style"), label("group"), label("age")],
-        ["Driving style", "group", "Age"]
-    );
+    assert_eq!([label("style"), label("group"), label("age")], ["Driving style", "group", "Age"]);
     let level = |level| design.level_label("style", level);
     assert_eq!([level("calm"), level("sporty")], ["Calm", "sporty"]);
     // A label of a factor within people makes no group of people.
@@ -125,10 +100,7 @@ fn a_contrast_of_levels_names_what_is_there_and_holds_at_least_one_pair() {
     for (contrast, words) in [
         ("{ road = \"town\" }", "no pair of levels"),
         ("{ style = [\"calm\", \"calm\"] }", "`calm` with itself"),
-        (
-            "{ style = [\"calm\", \"brisk\"] }",
-            "one of `sporty`, `calm`",
-        ),
+        ("{ style = [\"calm\", \"brisk\"] }", "one of `sporty`, `calm`"),
         ("{ colour = [\"red\", \"blue\"] }", "`group`"),
         (&format!("{sound}, {sound}"), "stands above"),
     ] {
@@ -137,10 +109,7 @@ fn a_contrast_of_levels_names_what_is_there_and_holds_at_least_one_pair() {
     }
     for (factor, words) in [
         ("label = \"x\"", "neither `column` nor `within`"),
-        (
-            "column = \"a\"\nwithin = \"road\"",
-            "both `column` and `within`",
-        ),
+        ("column = \"a\"\nwithin = \"road\"", "both `column` and `within`"),
         ("within = \"rode\"", "did you mean `road`?"),
     ] {
         let refused = Design::from_toml(&format!("{CROSSED}[[factor]]\n{factor}\n"));
@@ -152,11 +121,8 @@ fn a_contrast_of_levels_names_what_is_there_and_holds_at_least_one_pair() {
 
 #[test]
 fn a_primary_outcome_declares_its_test_and_one_contrast_and_is_refused_without() {
-    let outcome = |more: &str| {
-        with(&format!(
-            "[[outcome]]\nmeasure = \"mean_velocity_mps\"\n{more}\n"
-        ))
-    };
+    let outcome =
+        |more: &str| with(&format!("[[outcome]]\nmeasure = \"mean_velocity_mps\"\n{more}\n"));
     let design = outcome("primary = true\ntest = \"mixed\"\ncontrast = [\"sporty\", \"calm\"]");
     let declared = &design.unwrap().outcomes()[0].clone();
     assert_eq!(declared.test, Some(DeclaredTest::Mixed));
@@ -172,11 +138,7 @@ fn a_primary_outcome_declares_its_test_and_one_contrast_and_is_refused_without()
             "outcome[1].test",
             "none of a primary outcome",
         ),
-        (
-            "primary = true\ntest = \"mixed\"",
-            "outcome[1].contrast",
-            "none of a primary outcome",
-        ),
+        ("primary = true\ntest = \"mixed\"", "outcome[1].contrast", "none of a primary outcome"),
         (
             "primary = true\ntest = \"mixed\"\ncontrast = [\"sporty\", \"clam\"]",
             "outcome[1].contrast",
@@ -195,10 +157,7 @@ fn a_primary_outcome_declares_its_test_and_one_contrast_and_is_refused_without()
         ("test = \"anova\"", "", "rm-anova"),
     ] {
         let refused = outcome(more).unwrap_err();
-        assert!(
-            refused.contains(key) && refused.contains(said),
-            "{more}: {refused}"
-        );
+        assert!(refused.contains(key) && refused.contains(said), "{more}: {refused}");
     }
     // Others may leave the test to what the data look like, or to the design.
     for (more, test) in [("test = \"auto\"", Some(DeclaredTest::Auto)), ("", None)] {
@@ -214,10 +173,8 @@ fn a_primary_outcome_by_a_test_that_the_design_can_never_run_is_read_and_not_to_
         )
     };
     let pair = ["sporty", "calm"];
-    let (factor, covariate) = (
-        "[[factor]]\ncolumn = \"city\"\n",
-        "[[covariate]]\ncolumn = \"age\"\n",
-    );
+    let (factor, covariate) =
+        ("[[factor]]\ncolumn = \"city\"\n", "[[covariate]]\ncolumn = \"age\"\n");
     for test in ["ordinal", "rm-anova", "friedman"] {
         for (more, said) in [
             (factor, "beside the [[factor]] `city`"),
@@ -226,10 +183,7 @@ fn a_primary_outcome_by_a_test_that_the_design_can_never_run_is_read_and_not_to_
             let design = with(&(outcome(test, pair) + more)).unwrap();
             let refused = design.runnable().unwrap_err().to_string();
             let found = format!("`{test}` {said}");
-            assert!(
-                refused.contains("outcome[1].test") && refused.contains(&found),
-                "{refused}"
-            );
+            assert!(refused.contains("outcome[1].test") && refused.contains(&found), "{refused}");
             assert!(refused.contains("\"mixed\""), "{refused}");
         }
         let crossed = format!("{CROSSED}{}", outcome(test, ["a", "b"]));

@@ -96,24 +96,14 @@ file = "rig2.toml"
     let (person, drives) = (ParticipantId::new("P07").unwrap(), &design.exclude().drives);
     assert_eq!(design.exclude().person(&person), Some("withdrew consent"));
     assert_eq!(drives.len(), 1);
-    assert_eq!(
-        drives[&DriveId::new("P03-calm").unwrap()],
-        "simulator sickness"
-    );
+    assert_eq!(drives[&DriveId::new("P03-calm").unwrap()], "simulator sickness");
     assert_eq!(design.protocol().steps, [ProtocolStep::Practice]);
     assert_eq!(design.protocol().practice.passes, 2);
     assert!(matches!(&design.files().mapping, Mappings::Rigs(rigs) if rigs.len() == 1));
     let columns = |factors: &[Factor]| factors.iter().map(|f| f.name.clone()).collect();
-    let covariates = design
-        .covariates()
-        .iter()
-        .map(|c| c.column.clone())
-        .collect();
+    let covariates = design.covariates().iter().map(|c| c.column.clone()).collect();
     let (factors, covariates): (Vec<_>, Vec<_>) = (columns(design.factors()), covariates);
-    assert_eq!(
-        (factors, covariates),
-        (vec!["population".into()], vec!["age".into()])
-    );
+    assert_eq!((factors, covariates), (vec!["population".into()], vec!["age".into()]));
     assert_eq!(design.homophily().unwrap().factors, ["mini_ipip"]);
     let amended: Vec<&String> = design.amendments().keys().collect();
     assert_eq!(amended, ["exclude.straight_lined"]);
@@ -165,10 +155,7 @@ label = "In a hurry"
     let row = |column: &str| Some(if column == "study" { "1" } else { "y" });
     assert!(!design.people().learns_from(row), "one of two columns");
     let style = design.style().unwrap();
-    assert_eq!(
-        (style.label.as_str(), style.aggression),
-        ("Calmness", Sign::Minus)
-    );
+    assert_eq!((style.label.as_str(), style.aggression), ("Calmness", Sign::Minus));
     assert_eq!((style.range, style.points), (Some([1.0, 7.0]), Some(2.0)));
     let cars: Vec<&Option<Car>> = design.conditions().iter().map(|c| &c.car).collect();
     let file = Car::Embedding("e.csv".into());
@@ -201,10 +188,7 @@ fn signs_multiply_colours_have_six_digits_and_a_score_has_two_names() {
     for text in ["0a0b10", "#0a0b1", "#0a0b100", "#0a0b1g", "#é0b1"] {
         assert_eq!(text.parse::<Color>(), Err(()), "{text}");
     }
-    assert_eq!(
-        "adb.total".parse::<ScoreName>().unwrap().to_string(),
-        "adb.total"
-    );
+    assert_eq!("adb.total".parse::<ScoreName>().unwrap().to_string(), "adb.total");
     for text in ["adb", ".", "adb.", ".total", "adb.total.x"] {
         assert!(text.parse::<ScoreName>().is_err(), "{text}");
     }

@@ -56,10 +56,7 @@ pub(super) fn read(path: &Path, mut bytes: Vec<u8>, written: Style) -> Result<Sh
         let headless = written.headless;
         let preamble = if headless { 0 } else { likely_header(text) };
         let rest = line(text, preamble);
-        let plain = Style {
-            headless,
-            ..Style::default()
-        };
+        let plain = Style { headless, ..Style::default() };
         let first_line = header(rest, plain, None);
         (preamble, Some(first_line.separator), first_line.names)
     };
@@ -112,15 +109,12 @@ fn likely_header(text: &[u8]) -> usize {
             .filter(|c| !c.is_empty());
         cells.next().is_some_and(|c| c.parse::<f64>().is_ok())
     };
-    let first_numbers = lines
-        .iter()
-        .position(|l| numeric(l) && SEPARATORS.iter().any(|&c| width(l, c) > 1));
+    let first_numbers =
+        lines.iter().position(|l| numeric(l) && SEPARATORS.iter().any(|&c| width(l, c) > 1));
     let Some(data) = first_numbers.filter(|&i| i > 0) else {
         return 0;
     };
-    let above = lines[..data]
-        .iter()
-        .rposition(|l| !l.trim_ascii().is_empty());
+    let above = lines[..data].iter().rposition(|l| !l.trim_ascii().is_empty());
     // Commas may be decimal ones: widths are compared by one separator at a time.
     let as_wide = |i: usize| {
         let by = |&c: &u8| (2..=width(lines[i], c)).contains(&width(lines[data], c));

@@ -89,12 +89,9 @@ pub(super) fn guess(table: &Sheet) -> Guess<'_> {
     let reader = Reader::new(table);
     let number = |what| reader.number(Whose::Ego, what);
     let platoon = platoon(&reader);
-    let id = reader
-        .first(Whose::Ego, What::Id)
-        .filter(|_| platoon.is_none());
-    let speed = platoon
-        .map(|[speed, _]| speed)
-        .or_else(|| number(What::Speed).or(number(What::SpeedX)));
+    let id = reader.first(Whose::Ego, What::Id).filter(|_| platoon.is_none());
+    let speed =
+        platoon.map(|[speed, _]| speed).or_else(|| number(What::Speed).or(number(What::SpeedX)));
     let gap = platoon
         .map(|[_, gap]| gap)
         .or_else(|| number(What::Gap).or(reader.number(Whose::Lead, What::Gap)));
@@ -174,9 +171,7 @@ fn lead_position<'a>(reader: &Reader<'a>, ego: &TableColumn) -> Option<&'a Table
     };
     let stem = ego.replace("follower", "").replace("ego", "");
     let stem = stem.trim_matches('_');
-    leads()
-        .find(|c| c.name.to_ascii_lowercase().contains(stem))
-        .or_else(|| leads().next())
+    leads().find(|c| c.name.to_ascii_lowercase().contains(stem)).or_else(|| leads().next())
 }
 
 /// The position across the road: the other one.
@@ -215,9 +210,7 @@ impl<'a> Guess<'a> {
     pub(super) fn first_choice(&self) -> Choice<'a> {
         Choice {
             along: self.along.first().copied(),
-            in_lane: self
-                .lateral(self.along.first().copied())
-                .is_some_and(|l| l.1),
+            in_lane: self.lateral(self.along.first().copied()).is_some_and(|l| l.1),
             time: self.times()[0],
             speed: self.named_speed().unwrap_or(SPEEDS[0]),
         }
@@ -242,12 +235,7 @@ impl<'a> Guess<'a> {
                 None => vec![false],
             };
             for in_lane in sides {
-                let choice = |&speed| Choice {
-                    along,
-                    in_lane,
-                    time,
-                    speed,
-                };
+                let choice = |&speed| Choice { along, in_lane, time, speed };
                 choices.extend(speeds.iter().map(choice));
             }
         }

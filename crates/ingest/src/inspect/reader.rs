@@ -24,9 +24,7 @@ impl<'a> Reader<'a> {
         what: What,
     ) -> impl Iterator<Item = &'a TableColumn> + '_ {
         let columns = self.table.columns.iter().zip(&self.words);
-        columns
-            .filter(move |(_, w)| w.whose == whose && w.what == Some(what))
-            .map(|(c, _)| c)
+        columns.filter(move |(_, w)| w.whose == whose && w.what == Some(what)).map(|(c, _)| c)
     }
 
     /// The first of them that holds something.

@@ -56,16 +56,11 @@ pub fn suggest_mapping(path: &Path) -> Result<String, IngestError> {
         return Ok(format!("{head}{}{doubt}{}", trial.read, trial.body));
     }
     let guess = guess(&table);
-    let none = |reason: String| IngestError::NoProposal {
-        path: path.to_owned(),
-        reason,
-    };
+    let none = |reason: String| IngestError::NoProposal { path: path.to_owned(), reason };
     let shape = guess.shape.map_err(|m| none(m.as_str().to_owned()))?;
     let trial = best(path, &table, &guess, shape);
     let trial = trial.map_err(|error| {
-        none(format!(
-            "read by the names of its columns it is refused: {error}"
-        ))
+        none(format!("read by the names of its columns it is refused: {error}"))
     })?;
     let head = format!(
         "# A mapping for {}, proposed from the names of its columns. Check what says \"doubt\".\n",
@@ -118,10 +113,7 @@ fn best(path: &Path, table: &Sheet, guess: &Guess<'_>, shape: Shape) -> Result<T
     let of = |choice: &Choice<'_>| Trial::of(path, body(table, guess, shape, choice));
     let times = guess.times();
     let fits = |time: &&_| {
-        let choice = Choice {
-            time: **time,
-            ..guess.first_choice()
-        };
+        let choice = Choice { time: **time, ..guess.first_choice() };
         let is_likely = |trial: Trial| **time == times[0] || trial.longest_s >= LONG_S;
         of(&choice).is_ok_and(is_likely)
     };
@@ -171,10 +163,7 @@ pub(super) fn look(path: &Path) -> Result<Vec<u8>, IngestError> {
     let wrong = |e| IngestError::io(path, e);
     let mut file = File::open(path).map_err(wrong)?;
     let mut bytes = Vec::new();
-    file.by_ref()
-        .take(LOOKED_AT)
-        .read_to_end(&mut bytes)
-        .map_err(wrong)?;
+    file.by_ref().take(LOOKED_AT).read_to_end(&mut bytes).map_err(wrong)?;
     if bytes.len() as u64 == LOOKED_AT {
         if crate::parquet::is_parquet(&bytes) {
             file.read_to_end(&mut bytes).map_err(wrong)?;
@@ -228,11 +217,8 @@ fn body(table: &Sheet, guess: &Guess<'_>, shape: Shape, choice: &Choice<'_>) -> 
         );
     }
     if has("lane") {
-        let (from, doubt) = if guess.is_of_ngsim() {
-            ("left", "as in NGSIM")
-        } else {
-            ("right", "doubt")
-        };
+        let (from, doubt) =
+            if guess.is_of_ngsim() { ("left", "as in NGSIM") } else { ("right", "doubt") };
         let _ = writeln!(
             out,
             "# {doubt}: lanes are numbered from the {from}.\nlanes_from = \"{from}\""
@@ -312,10 +298,8 @@ fn long(out: &mut String, guess: &Guess<'_>, has_y: bool) {
         "# {doubt}positions are of the vehicle's {point} (front, centre, rear or corner).\npoint = \"{point}\""
     );
     if has_y {
-        let _ = writeln!(
-            out,
-            "# {doubt}y grows to the {grows}, seen along x.\ny_grows = \"{grows}\""
-        );
+        let _ =
+            writeln!(out, "# {doubt}y grows to the {grows}, seen along x.\ny_grows = \"{grows}\"");
     }
     if guess.drives_both_ways() {
         out.push_str("# Some drive along x and some against it.\ndirections = \"both\"\n");

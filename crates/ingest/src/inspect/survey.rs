@@ -22,11 +22,7 @@ pub(super) fn gaps(topic: &str, log_ns: &[u64], start_ns: u64) -> Vec<Gap> {
     let limit = (GAP_INTERVALS * interval_s(log_ns).unwrap_or(0.0)).max(GAP_S);
     let since = |ns: u64| ns.saturating_sub(start_ns) as f64 / 1e9;
     let wide = |w: &&[u64]| w[1].saturating_sub(w[0]) as f64 / 1e9 > limit;
-    let gap = |w: &[u64]| Gap {
-        topic: topic.to_owned(),
-        from_s: since(w[0]),
-        to_s: since(w[1]),
-    };
+    let gap = |w: &[u64]| Gap { topic: topic.to_owned(), from_s: since(w[0]), to_s: since(w[1]) };
     log_ns.windows(2).filter(wide).map(gap).collect()
 }
 

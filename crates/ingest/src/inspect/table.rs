@@ -65,17 +65,10 @@ fn with_mapping(path: &Path, settings: &IngestSettings, log_summary: &mut LogSum
             let last = |d: &Ingested| d.recording.time_s().last().copied().unwrap_or(0.0);
             log_summary.duration_s = drives.iter().map(last).max_by(f64::total_cmp);
             for drive in drives {
-                let holes = drive
-                    .warnings
-                    .iter()
-                    .filter(|w| w.kind == WarningKind::Hole);
-                log_summary
-                    .gaps
-                    .extend(holes.flat_map(|w| &w.spans_s).map(|&(from_s, to_s)| Gap {
-                        topic: drive.meta.drive.to_string(),
-                        from_s,
-                        to_s,
-                    }));
+                let holes = drive.warnings.iter().filter(|w| w.kind == WarningKind::Hole);
+                log_summary.gaps.extend(holes.flat_map(|w| &w.spans_s).map(|&(from_s, to_s)| {
+                    Gap { topic: drive.meta.drive.to_string(), from_s, to_s }
+                }));
                 log_summary.warnings.extend(drive.warnings);
             }
         }

@@ -169,13 +169,7 @@ pub(super) fn words(name: &str) -> Words {
     } else {
         None
     };
-    Words {
-        whose,
-        what,
-        number,
-        unit,
-        is_y: has("y"),
-    }
+    Words { whose, what, number, unit, is_y: has("y") }
 }
 
 /// Words for a speed.
@@ -184,14 +178,8 @@ const SPEED: &str = "velocity vel speed spd geschwindigkeit eigengeschwindigkeit
 fn unit_of(name: &str, words: &[String]) -> Option<&'static str> {
     let name = name.to_ascii_lowercase();
     let within = |unit: &str| [format!("[{unit}]"), format!("({unit})")].map(|u| name.contains(&u));
-    let written = ["km/h", "m/s", "ft/s"]
-        .into_iter()
-        .find(|u| name.contains(u));
-    let bracketed = || {
-        ["m", "ft", "s", "ms"]
-            .into_iter()
-            .find(|u| within(u) != [false; 2])
-    };
+    let written = ["km/h", "m/s", "ft/s"].into_iter().find(|u| name.contains(u));
+    let bracketed = || ["m", "ft", "s", "ms"].into_iter().find(|u| within(u) != [false; 2]);
     let last = || unit_at_end(words.get(1..)?.last()?);
     written.or_else(bracketed).or_else(last)
 }
@@ -275,63 +263,30 @@ mod tests {
             ("x_m", What::Position, "m"),
             ("gap_m", What::Gap, "m"),
         ] {
-            assert_eq!(
-                (words(name).what, words(name).unit),
-                (Some(what), Some(unit)),
-                "{name}"
-            );
+            assert_eq!((words(name).what, words(name).unit), (Some(what), Some(unit)), "{name}");
         }
-        for name in [
-            "camera_x",
-            "pixel_y",
-            "gaze_pos",
-            "steering_wheel_position",
-            "velocityZ",
-            "z_m",
-        ] {
+        for name in
+            ["camera_x", "pixel_y", "gaze_pos", "steering_wheel_position", "velocityZ", "z_m"]
+        {
             assert_eq!(words(name).what, None, "{name}");
         }
         for (name, whose, what, unit) in [
             ("Zeit [s]", Whose::Ego, What::Time, Some("s")),
-            (
-                "Geschwindigkeit [km/h]",
-                Whose::Ego,
-                What::Speed,
-                Some("km/h"),
-            ),
+            ("Geschwindigkeit [km/h]", Whose::Ego, What::Speed, Some("km/h")),
             ("v_Ego", Whose::Ego, What::Speed, None),
-            (
-                "v_Vordermann [km/h]",
-                Whose::Lead,
-                What::Speed,
-                Some("km/h"),
-            ),
-            (
-                "GeschwindigkeitVorderfahrzeug",
-                Whose::Lead,
-                What::Speed,
-                None,
-            ),
+            ("v_Vordermann [km/h]", Whose::Lead, What::Speed, Some("km/h")),
+            ("GeschwindigkeitVorderfahrzeug", Whose::Lead, What::Speed, None),
             ("Längsgeschwindigkeit", Whose::Ego, What::SpeedX, None),
             ("Abstand [m]", Whose::Ego, What::Gap, Some("m")),
             ("Folgeabstand", Whose::Ego, What::Gap, None),
-            (
-                "Abstand_zum_Vordermann_m",
-                Whose::Lead,
-                What::Gap,
-                Some("m"),
-            ),
+            ("Abstand_zum_Vordermann_m", Whose::Lead, What::Gap, Some("m")),
             ("Längsposition", Whose::Ego, What::Position, None),
             ("Spur", Whose::Ego, What::Lane, None),
             ("Querablage [m]", Whose::Ego, What::Offset, Some("m")),
             ("Fahrzeuglaenge", Whose::Ego, What::Length, None),
         ] {
             let read = words(name);
-            assert_eq!(
-                (read.whose, read.what, read.unit),
-                (whose, Some(what), unit),
-                "{name}"
-            );
+            assert_eq!((read.whose, read.what, read.unit), (whose, Some(what), unit), "{name}");
         }
         for name in [
             "Abstand_Ampel",

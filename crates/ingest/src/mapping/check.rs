@@ -12,10 +12,7 @@ use super::{
 
 /// Refuses a key that does nothing: somebody thinks that it does.
 fn idle(key: &str, given: bool, does: bool, needs: &str) -> Checked {
-    refuse(
-        given && !does,
-        &format!("`table.{key}` does nothing without {needs}: leave it out"),
-    )
+    refuse(given && !does, &format!("`table.{key}` does nothing without {needs}: leave it out"))
 }
 
 /// Where the place in a lane grows, which goes with a column of it.
@@ -64,10 +61,7 @@ impl TableMapping {
     }
 
     fn check_times(&self) -> Checked {
-        let (framed, rated) = (
-            self.units.time == TimeUnit::Frames,
-            self.frames_per_s.is_some(),
-        );
+        let (framed, rated) = (self.units.time == TimeUnit::Frames, self.frames_per_s.is_some());
         idle("frames_per_s", rated, framed, "`time = \"frames\"`")?;
         let meta_rated = self.layout.meta().is_some_and(|m| m.frames_per_s.is_some());
         let needs = "`table.frames_per_s` is not given, as is needed where times are frames";

@@ -139,9 +139,7 @@ impl TryFrom<toml::Table> for Layout {
             let near = near.map_or_else(String::new, |key| {
                 format!("\n`{key}` is no key: did you mean `layout`?")
             });
-            return Err(format!(
-                "`table.layout` is not given, expected one of {words}{near}"
-            ));
+            return Err(format!("`table.layout` is not given, expected one of {words}{near}"));
         };
         match name.as_str() {
             Some("pair") => read("pair", keys).map(Self::Pair),
@@ -160,10 +158,7 @@ fn read<T: DeserializeOwned>(layout: &str, keys: toml::Table) -> Result<T, Strin
     T::deserialize(keys).map_err(|e| {
         let text = e.to_string();
         // The key stands on a line of its own.
-        let (what, place) = text
-            .trim_end()
-            .split_once("\nin `")
-            .unwrap_or((text.trim_end(), "`"));
+        let (what, place) = text.trim_end().split_once("\nin `").unwrap_or((text.trim_end(), "`"));
         match place.trim_end_matches('`') {
             "" => format!("layout `{layout}`: {what}; every layout may have {OF_EVERY_TABLE}"),
             key => format!("layout `{layout}`, `table.{key}`: {what}"),
@@ -195,9 +190,7 @@ impl Layout {
     /// The first column that one of some keys names.
     pub(crate) fn column(&self, keys: &[&str]) -> Option<String> {
         let mut columns = self.columns().into_iter();
-        columns
-            .find(|(key, _)| keys.contains(&key.as_str()))
-            .map(|(_, name)| name)
+        columns.find(|(key, _)| keys.contains(&key.as_str())).map(|(_, name)| name)
     }
 
     /// Whether there is a column of a gap.

@@ -140,10 +140,7 @@ impl McapMapping {
             && !shipped_rigs::names().any(|name| name == rig)
         {
             let known: Vec<&str> = shipped_rigs::names().collect();
-            return Err(format!(
-                "`mcap.rig` is `{rig}`, expected one of {}",
-                known.join(", ")
-            ));
+            return Err(format!("`mcap.rig` is `{rig}`, expected one of {}", known.join(", ")));
         }
         for message in &self.messages {
             let name = &message.message;
@@ -161,9 +158,7 @@ impl McapMapping {
             };
             let has = |key: &str| message.fields.contains_key(key);
             if let Some(key) = needed.iter().find(|k| !has(k)) {
-                return Err(format!(
-                    "`mcap.messages` of `{name}` lacks the field `{key}`"
-                ));
+                return Err(format!("`mcap.messages` of `{name}` lacks the field `{key}`"));
             }
             let moves = matches!(message.tells, Tells::Speed | Tells::Objects);
             if moves && !has("speed") && !(has("vx") && has("vy")) {

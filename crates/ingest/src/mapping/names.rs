@@ -64,10 +64,7 @@ impl Names {
             let stem = stem.strip_suffix(behind)?;
             let without = stem.trim_end_matches(|c: char| c.is_ascii_digit());
             let number = stem.get(without.len()..)?.parse().ok()?;
-            Some((
-                without.strip_suffix(before).filter(|r| !r.is_empty())?,
-                Some(number),
-            ))
+            Some((without.strip_suffix(before).filter(|r| !r.is_empty())?, Some(number)))
         };
         numbered().unwrap_or((stem, None))
     }
@@ -114,17 +111,10 @@ pub(crate) fn meta_of(
     warnings: &mut Vec<Warning>,
 ) -> Result<DriveMeta, IngestError> {
     // A folder's name has no extension.
-    let stem = if path.is_dir() {
-        path.file_name()
-    } else {
-        path.file_stem()
-    };
+    let stem = if path.is_dir() { path.file_name() } else { path.file_stem() };
     let stem = stem.unwrap_or_default().to_string_lossy();
     let stem = names.map_or(&*stem, |names| names.part(&stem).0);
-    let refused = |source: DomainError| IngestError::Refused {
-        path: path.to_owned(),
-        source,
-    };
+    let refused = |source: DomainError| IngestError::Refused { path: path.to_owned(), source };
     if let Some(names) = names
         && let Some(mut captures) = capture(&names.file, stem)
         && let Some(of_folder) = in_folder(names, path)
@@ -190,15 +180,11 @@ fn condition(names: &Names, captures: &[Capture<'_>]) -> Result<ConditionId, Dom
 fn occasion(captures: &[Capture<'_>]) -> Result<Occasion, DomainError> {
     let number = |kind: &'static str| match captures.iter().find(|(name, _)| *name == kind) {
         None => Ok(first()),
-        Some((_, found)) => found.parse().map_err(|_| DomainError::BadNumber {
-            kind,
-            found: found.clone(),
-        }),
+        Some((_, found)) => {
+            found.parse().map_err(|_| DomainError::BadNumber { kind, found: found.clone() })
+        }
     };
-    Ok(Occasion {
-        session: number("session")?,
-        trial: number("trial")?,
-    })
+    Ok(Occasion { session: number("session")?, trial: number("trial")? })
 }
 
 /// Length of an id.
@@ -207,9 +193,7 @@ const MOST_ID: usize = 64;
 /// A text with `_` for what an id may not hold.
 fn safe(text: &str) -> String {
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    text.chars()
-        .map(|c| if allowed(c) { c } else { '_' })
-        .collect()
+    text.chars().map(|c| if allowed(c) { c } else { '_' }).collect()
 }
 
 /// Whether `name` fits a pattern in which `*` stands for any characters.
@@ -245,11 +229,9 @@ fn capture<'a>(pattern: &'a str, text: &'a str) -> Option<Vec<(&'a str, &'a str)
 }
 
 fn fill(template: &str, captures: &[Capture<'_>]) -> String {
-    captures
-        .iter()
-        .fold(template.to_owned(), |text, (name, value)| {
-            text.replace(&format!("{{{name}}}"), value)
-        })
+    captures.iter().fold(template.to_owned(), |text, (name, value)| {
+        text.replace(&format!("{{{name}}}"), value)
+    })
 }
 
 #[cfg(test)]
@@ -259,10 +241,7 @@ mod tests {
     #[test]
     fn a_pattern_takes_up_to_the_text_that_follows() {
         let found = capture("oa_{run}_f{place}_{car}", "oa_0407_p10_f2_Audi_A6").unwrap();
-        assert_eq!(
-            found,
-            [("run", "0407_p10"), ("place", "2"), ("car", "Audi_A6")]
-        );
+        assert_eq!(found, [("run", "0407_p10"), ("place", "2"), ("car", "Audi_A6")]);
         let found: Vec<Capture> = found.iter().map(|(k, v)| (*k, safe(v))).collect();
         assert_eq!(fill("{run}-{place}", &found), "0407_p10-2");
         assert_eq!(capture("oa_{run}_f{place}", "other"), None);
@@ -288,25 +267,16 @@ mod tests {
         let file = read(
             "file = \"{who}_{condition}\"\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"\nwords = { B = \"sporty\" }",
         );
-        assert_eq!(
-            of(&file, &[]),
-            ("P07-B".to_owned(), "sporty".to_owned(), true)
-        );
+        assert_eq!(of(&file, &[]), ("P07-B".to_owned(), "sporty".to_owned(), true));
         let folder = read(
             "file = \"{who}_{_}\"\nfolder = \"{condition}\"\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"",
         );
-        assert_eq!(
-            of(&folder, &[]),
-            ("P07-calm".to_owned(), "calm".to_owned(), true)
-        );
+        assert_eq!(of(&folder, &[]), ("P07-calm".to_owned(), "calm".to_owned(), true));
         let column = read(
             "file = \"{who}_{_}\"\ncolumns = { condition = \"car\" }\ndrive = \"{who}-{condition}\"\nparticipant = \"{who}\"\ncondition = \"{condition}\"",
         );
         let within = [("condition".to_owned(), "normal".to_owned())];
-        assert_eq!(
-            of(&column, &within),
-            ("P07-normal".to_owned(), "normal".to_owned(), true)
-        );
+        assert_eq!(of(&column, &within), ("P07-normal".to_owned(), "normal".to_owned(), true));
         let other = read(
             "file = \"{who}_{_}\"\nfolder = \"run-{condition}\"\ndrive = \"{who}\"\nparticipant = \"{who}\"",
         );

@@ -3,10 +3,7 @@
 /// Names and texts of the rigs, the more particular first.
 pub(crate) const SHIPPED_RIGS: [(&str, &str); 4] = [
     ("maveric", maveric_data::MAPPINGS_RIG_MAVERIC),
-    (
-        "carla-ros-bridge",
-        maveric_data::MAPPINGS_RIG_CARLA_ROS_BRIDGE,
-    ),
+    ("carla-ros-bridge", maveric_data::MAPPINGS_RIG_CARLA_ROS_BRIDGE),
     ("autoware", maveric_data::MAPPINGS_RIG_AUTOWARE),
     ("generic-ros2", maveric_data::MAPPINGS_RIG_GENERIC_ROS2),
 ];

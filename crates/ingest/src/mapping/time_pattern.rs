@@ -20,22 +20,14 @@ pub(crate) fn patterned(text: &str, pattern: &str) -> Option<i64> {
             let digits = text.len() - text.trim_end_matches(|c: char| c.is_ascii_digit()).len();
             let (whole, digits) = text.split_at(text.len() - digits);
             let nine = format!("{digits:0<9}");
-            (
-                whole,
-                pattern,
-                nine.get(..9)?.parse().ok().filter(|_| !digits.is_empty())?,
-            )
+            (whole, pattern, nine.get(..9)?.parse().ok().filter(|_| !digits.is_empty())?)
         }
     };
-    let time = NaiveDateTime::parse_from_str(whole, pattern)
-        .ok()
-        .or_else(|| {
-            let time = NaiveTime::parse_from_str(whole, pattern).ok()?;
-            Some(DateTime::UNIX_EPOCH.date_naive().and_time(time))
-        })?;
-    time.and_utc()
-        .timestamp_nanos_opt()?
-        .checked_add(fraction_ns)
+    let time = NaiveDateTime::parse_from_str(whole, pattern).ok().or_else(|| {
+        let time = NaiveTime::parse_from_str(whole, pattern).ok()?;
+        Some(DateTime::UNIX_EPOCH.date_naive().and_time(time))
+    })?;
+    time.and_utc().timestamp_nanos_opt()?.checked_add(fraction_ns)
 }
 
 #[cfg(test)]
@@ -47,11 +39,7 @@ mod tests {
         let pattern = "%Y%m%d %H:%M:%S:%f";
         let whole = DateTime::parse_from_rfc3339("2022-07-02T18:26:03Z").unwrap();
         let whole = whole.timestamp_nanos_opt().unwrap();
-        for (text, ns) in [
-            ("8236", 823_600_000),
-            ("08", 80_000_000),
-            ("123456789", 123_456_789),
-        ] {
+        for (text, ns) in [("8236", 823_600_000), ("08", 80_000_000), ("123456789", 123_456_789)] {
             let found = patterned(&format!("20220702 18:26:03:{text}"), pattern);
             assert_eq!(found, Some(whole + ns), "{text}");
         }

@@ -22,11 +22,7 @@ impl Leaders {
             let dt = now.stamp_ns.saturating_sub(last.stamp_ns) as f64 / 1e9;
             let mean = 0.5 * (last.speed_mps + now.speed_mps);
             // One of whom nothing else is known stands, or drives as fast as any car.
-            let (slowest, fastest) = if mean.is_nan() {
-                (0.0, FASTEST_MPS)
-            } else {
-                (mean, mean)
-            };
+            let (slowest, fastest) = if mean.is_nan() { (0.0, FASTEST_MPS) } else { (mean, mean) };
             let moved = now.x_m - last.x_m;
             let jumps = moved < slowest * dt - JUMP_M || moved > fastest * dt + JUMP_M;
             // Not where a length is unknown.

@@ -94,9 +94,8 @@ pub(crate) trait Timed {
 
     /// Keeps the first of those of one thing at one time; they are sorted.
     fn dedup(&mut self) {
-        let twice: Vec<bool> = (0..self.stamps().len())
-            .map(|i| i > 0 && self.key(i - 1) == self.key(i))
-            .collect();
+        let twice: Vec<bool> =
+            (0..self.stamps().len()).map(|i| i > 0 && self.key(i - 1) == self.key(i)).collect();
         self.keep(|i| !twice[i]);
     }
 }

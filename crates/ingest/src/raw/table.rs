@@ -134,9 +134,7 @@ pub(crate) fn read(
     refuse_overlaps(path, &mut drives)?;
     for drive in &mut drives {
         drive.warnings.extend(joined.iter().cloned());
-        drive
-            .warnings
-            .extend(lateral::place_in_lane(path, layout, &drive.raw.ego));
+        drive.warnings.extend(lateral::place_in_lane(path, layout, &drive.raw.ego));
     }
     Ok(drives)
 }

@@ -25,10 +25,7 @@ fn what_would_alias_is_gone_and_what_drivers_do_is_kept() {
     for (hz, jitter, most) in [(100.0, 0.0, 0.01), (83.0, 0.05, 0.02), (83.0, 0.3, 0.1)] {
         let at = |f: f64| move |t: f64| (2.0 * PI * f * t).sin();
         let alias = largest(&resampled(hz, jitter, at(18.0)), |_, v| v);
-        assert!(
-            alias < most,
-            "18 Hz would look like 2 Hz: {alias} at {hz} Hz"
-        );
+        assert!(alias < most, "18 Hz would look like 2 Hz: {alias} at {hz} Hz");
         let kept = resampled(hz, jitter, at(1.0));
         let lost = largest(&kept, |t, v| v - at(1.0)(t));
         assert!(lost < 0.01, "1 Hz: {lost} at {hz} Hz");
@@ -113,12 +110,7 @@ fn samples_on_the_grid_come_through_unchanged() {
     let time: Vec<f64> = (0..40).map(|i| f64::from(i) * 0.05 + 2e-10).collect();
     let grid = grid(&time, 20.0, 0.5);
     assert_eq!(grid.rows.len(), 40);
-    assert!(
-        grid.rows
-            .iter()
-            .enumerate()
-            .all(|(i, r)| r.before == i && r.weight.to_bits() == 0)
-    );
+    assert!(grid.rows.iter().enumerate().all(|(i, r)| r.before == i && r.weight.to_bits() == 0));
 }
 
 #[test]
@@ -137,16 +129,7 @@ fn short_dropouts_are_bridged_and_long_ones_start_a_segment() {
     let time = [0.0, 0.1, 0.5, 2.0, 2.1];
     let grid = grid(&time, 10.0, 0.5);
     let ticks: Vec<(i64, u32)> = grid.rows.iter().map(|r| (r.tick, r.segment)).collect();
-    let expected = [
-        (0, 0),
-        (1, 0),
-        (2, 0),
-        (3, 0),
-        (4, 0),
-        (5, 0),
-        (20, 1),
-        (21, 1),
-    ];
+    let expected = [(0, 0), (1, 0), (2, 0), (3, 0), (4, 0), (5, 0), (20, 1), (21, 1)];
     assert_eq!(ticks, expected);
     assert_eq!(grid.holes_s, [(0.5, 2.0)]);
     assert!((grid.rows[3].interpolated(&time) - 0.3).abs() < 1e-12);

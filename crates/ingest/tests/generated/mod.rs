@@ -12,23 +12,13 @@ pub(crate) fn log(minutes: f64, cars: u32) -> Vec<u8> {
     let mut out = options.create(Cursor::new(Vec::new())).unwrap();
     let mut channel = |topic: &str, name: &str, text: &str| {
         let schema = out.add_schema(name, "ros2msg", text.as_bytes()).unwrap();
-        out.add_channel(schema, topic, "cdr", &BTreeMap::new())
-            .unwrap()
+        out.add_channel(schema, topic, "cdr", &BTreeMap::new()).unwrap()
     };
     let odometry = channel("/carla/hero/odometry", "nav_msgs/msg/Odometry", ODOMETRY);
-    let objects = channel(
-        "/carla/hero/objects",
-        "derived_object_msgs/msg/ObjectArray",
-        OBJECTS,
-    );
+    let objects = channel("/carla/hero/objects", "derived_object_msgs/msg/ObjectArray", OBJECTS);
     let mut send = |channel_id: u16, ms: u64, bytes: &[u8]| {
         let time = ms * 1_000_000;
-        let head = MessageHeader {
-            channel_id,
-            sequence: 0,
-            log_time: time,
-            publish_time: time,
-        };
+        let head = MessageHeader { channel_id, sequence: 0, log_time: time, publish_time: time };
         out.write_to_known_channel(&head, bytes).unwrap();
     };
     let end = (minutes * 60_000.0) as u64;
@@ -39,14 +29,7 @@ pub(crate) fn log(minutes: f64, cars: u32) -> Vec<u8> {
             bytes.string("hero");
             bytes.pose(25.0 * t, 0.3 * (0.1 * t).sin());
             bytes.f64s(&[0.0; 36]);
-            bytes.f64s(&[
-                25.0 + 0.01 * (t * 1.7).sin(),
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-                0.001 * t.cos(),
-            ]);
+            bytes.f64s(&[25.0 + 0.01 * (t * 1.7).sin(), 0.0, 0.0, 0.0, 0.0, 0.001 * t.cos()]);
             bytes.f64s(&[0.0; 36]);
             send(odometry, ms, &bytes.0);
         }
@@ -58,10 +41,7 @@ pub(crate) fn log(minutes: f64, cars: u32) -> Vec<u8> {
                 bytes.stamp(ms);
                 bytes.put(&car.to_le_bytes());
                 bytes.0.extend([1, 1]);
-                bytes.pose(
-                    25.0 * t + 20.0 * n - 60.0 + n * (0.05 * t).sin(),
-                    3.66 * (n % 2.0),
-                );
+                bytes.pose(25.0 * t + 20.0 * n - 60.0 + n * (0.05 * t).sin(), 3.66 * (n % 2.0));
                 bytes.f64s(&[25.0 + 0.05 * n * (0.05 * t).cos(), 0.0, 0.0, 0.0, 0.0, 0.0]);
                 bytes.f64s(&[0.0; 6]);
                 bytes.put(&0_u32.to_le_bytes());

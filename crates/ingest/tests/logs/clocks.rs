@@ -51,24 +51,12 @@ fn clocks_that_run_backwards_differ_or_stand_still_make_no_false_drive() {
     assert_eq!(found.recording.rows(), ROWS);
     // The clock of the stamps is set back half way, and receipt goes on.
     let found = read(&with(&|t, _| (t, t % (MINUTE / 2))), false).unwrap();
-    assert!(
-        kinds(&found).contains(&WarningKind::ReceiveTime),
-        "{:?}",
-        found.warnings
-    );
+    assert!(kinds(&found).contains(&WarningKind::ReceiveTime), "{:?}", found.warnings);
     assert_eq!(samples(&found.recording), samples(&whole));
     // Ego by simulated time, the others by the wall clock.
     let wall = 1_700_000_000_000_000_000;
-    let found = read(
-        &with(&|t, ego| (wall + t, if ego { t } else { wall + t })),
-        false,
-    )
-    .unwrap();
-    assert!(
-        kinds(&found).contains(&WarningKind::ReceiveTime),
-        "{:?}",
-        found.warnings
-    );
+    let found = read(&with(&|t, ego| (wall + t, if ego { t } else { wall + t })), false).unwrap();
+    assert!(kinds(&found).contains(&WarningKind::ReceiveTime), "{:?}", found.warnings);
     assert_eq!(found.recording.others().len(), whole.others().len());
     // No stamps at all.
     let found = read(&with(&|t, _| (t, 0)), false).unwrap();
@@ -78,11 +66,7 @@ fn clocks_that_run_backwards_differ_or_stand_still_make_no_false_drive() {
 
 /// Every row of the second piece is one of the whole's, at its distance from the piece's start.
 fn two_pieces(found: &Ingested, second: usize) {
-    assert!(
-        kinds(found).contains(&WarningKind::ClockRestart),
-        "{:?}",
-        found.warnings
-    );
+    assert!(kinds(found).contains(&WarningKind::ClockRestart), "{:?}", found.warnings);
     let whole = recording(false);
     let recording = &found.recording;
     assert_eq!(recording.rows(), ROWS);
@@ -133,11 +117,7 @@ fn a_clock_that_starts_anew_within_a_recording_makes_two_segments() {
         Some(message)
     });
     let found = read(&elsewhere, false).unwrap();
-    assert!(
-        kinds(&found).contains(&WarningKind::ClockRestart),
-        "{:?}",
-        found.warnings
-    );
+    assert!(kinds(&found).contains(&WarningKind::ClockRestart), "{:?}", found.warnings);
     let segments = found.recording.segment();
     assert_eq!(segments.iter().filter(|s| **s == 1).count(), 400);
 }
@@ -149,9 +129,7 @@ fn a_table_whose_time_starts_anew_makes_two_segments_and_is_not_shuffled() {
         let (t, v) = (f64::from(i % 200) / 10.0, if i < 200 { 20.0 } else { 5.0 });
         writeln!(text, "{t},{},{v},20,0,30", 2.0 * f64::from(i)).unwrap();
     }
-    let found = read_named("oa_pair_r_f2_c.csv", &text, shipped("openacc.toml"))
-        .unwrap()
-        .remove(0);
+    let found = read_named("oa_pair_r_f2_c.csv", &text, shipped("openacc.toml")).unwrap().remove(0);
     assert!(kinds(&found).contains(&WarningKind::ClockRestart));
     let (segments, ego) = (found.recording.segment(), found.recording.ego());
     let slow = segments.iter().filter(|s| **s == 1).count();

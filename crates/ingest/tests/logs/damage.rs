@@ -13,10 +13,7 @@ use places::{CHANNEL, SCHEMA, chunks, records};
 pub(super) fn read(bytes: &[u8], recover: bool) -> Result<Ingested, IngestError> {
     let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
     std::fs::write(file.path(), bytes).unwrap();
-    let settings = IngestSettings {
-        recover,
-        ..IngestSettings::default()
-    };
+    let settings = IngestSettings { recover, ..IngestSettings::default() };
     read_log(file.path(), &settings).map(|mut found| found.remove(0))
 }
 
@@ -37,10 +34,7 @@ fn small() -> Vec<u8> {
 
 fn refused(bytes: &[u8]) {
     let error = read(bytes, false).unwrap_err();
-    assert!(
-        matches!(error, IngestError::Bag(BagError::Damaged { .. })),
-        "{error}"
-    );
+    assert!(matches!(error, IngestError::Bag(BagError::Damaged { .. })), "{error}");
     assert!(error.suggestion().unwrap().contains("--recover"));
 }
 
@@ -63,11 +57,7 @@ fn a_wrong_checksum_costs_its_chunk_and_the_hole_has_its_times() {
     let mut bytes = log.clone();
     bytes[start + 9 + 24] ^= 1;
     let found = read(&bytes, true).unwrap();
-    let hole = found
-        .warnings
-        .iter()
-        .find(|w| w.kind == WarningKind::Damage)
-        .unwrap();
+    let hole = found.warnings.iter().find(|w| w.kind == WarningKind::Damage).unwrap();
     assert!(hole.what.contains("checksum"), "{}", hole.what);
     let (from, to) = hole.spans_s[0];
     assert!(from > 0.0 && to > from + 0.2 && to < 5.0, "{from} to {to}");
@@ -98,10 +88,7 @@ fn without_schemas_or_channels_every_channel_is_refused_and_the_reason_said() {
         .repeat_schemas(false)
         .repeat_channels(false);
     let log = repacked(&super::first_rows(40), options);
-    for (opcode, reason) in [
-        (SCHEMA, "schema 1 is missing"),
-        (CHANNEL, "it has no channels"),
-    ] {
+    for (opcode, reason) in [(SCHEMA, "schema 1 is missing"), (CHANNEL, "it has no channels")] {
         let bytes = without(&log, opcode);
         let error = read(&bytes, true).unwrap_err();
         assert!(
@@ -124,16 +111,8 @@ fn a_missing_schema_refuses_its_channel_alone() {
     });
     let found = read(&log, false).unwrap();
     assert!(found.recording.others().is_empty() && found.recording.rows() == ROWS);
-    let why = found
-        .warnings
-        .iter()
-        .find(|w| w.kind == WarningKind::RefusedChannel)
-        .unwrap();
-    assert!(
-        why.what.contains("schema") && why.what.contains("missing"),
-        "{}",
-        why.what
-    );
+    let why = found.warnings.iter().find(|w| w.kind == WarningKind::RefusedChannel).unwrap();
+    assert!(why.what.contains("schema") && why.what.contains("missing"), "{}", why.what);
 }
 
 proptest! {

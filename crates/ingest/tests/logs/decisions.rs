@@ -38,10 +38,7 @@ fn trace() -> Vec<TraceRow> {
 
 fn written(recording: &Recording, trace: &[TraceRow]) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    let beside = Beside {
-        trace,
-        ..Beside::default()
-    };
+    let beside = Beside { trace, ..Beside::default() };
     write_mcap_with(recording, &meta(), &beside, &mut out).unwrap();
     out.into_inner()
 }
@@ -97,12 +94,7 @@ fn decisions_come_back() {
 fn a_car_that_decided_nothing_is_not_one_that_could_not() {
     let quiet: Vec<TraceRow> = trace()
         .into_iter()
-        .map(|row| TraceRow {
-            lane: LaneActivity::Keeping,
-            braked: false,
-            path_m: None,
-            ..row
-        })
+        .map(|row| TraceRow { lane: LaneActivity::Keeping, braked: false, path_m: None, ..row })
         .collect();
     let file = on_disk(&written(&recording(false), &quiet));
     assert_eq!(read_decisions(file.path()).unwrap(), Some(Vec::new()));
@@ -110,10 +102,7 @@ fn a_car_that_decided_nothing_is_not_one_that_could_not() {
 
 #[test]
 fn the_trace_of_another_drive_is_refused() {
-    let beside = Beside {
-        trace: &trace()[1..],
-        ..Beside::default()
-    };
+    let beside = Beside { trace: &trace()[1..], ..Beside::default() };
     let out = Cursor::new(Vec::new());
     let error = write_mcap_with(&recording(false), &meta(), &beside, out).unwrap_err();
     assert!(matches!(error, IngestError::WriteDrive { .. }));

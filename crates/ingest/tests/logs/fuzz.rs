@@ -31,17 +31,12 @@ fn damaged(text: &str, damages: &[Damage]) -> Vec<u8> {
                     *byte ^= 1 << (word % 8);
                 }
             }
-            4 => bytes
-                .splice(at..end, WORDS[word % WORDS.len()].bytes())
-                .for_each(drop),
+            4 => bytes.splice(at..end, WORDS[word % WORDS.len()].bytes()).for_each(drop),
             // A whole cell becomes the word.
             _ => {
                 let stop = |b: &u8| *b == b',' || *b == b'\n';
                 let start = bytes[..at].iter().rposition(stop).map_or(0, |i| i + 1);
-                let end = bytes[at..]
-                    .iter()
-                    .position(stop)
-                    .map_or(bytes.len(), |i| at + i);
+                let end = bytes[at..].iter().position(stop).map_or(bytes.len(), |i| at + i);
                 bytes.splice(start..end, WORDS[word % WORDS.len()].bytes());
             }
         }

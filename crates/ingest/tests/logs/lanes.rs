@@ -46,10 +46,7 @@ fn changes_lanes(found: &Ingested) {
     assert_eq!(drive.len(), 1200);
     for (time_s, y_m) in rows.time_s.iter().zip(&rows.ego_y_m) {
         // A place beyond .49 of a lane is kept in it.
-        assert!(
-            (y_m - across_m(*time_s)).abs() < 0.02 * WIDTH_M,
-            "{y_m} at {time_s} s"
-        );
+        assert!((y_m - across_m(*time_s)).abs() < 0.02 * WIDTH_M, "{y_m} at {time_s} s");
     }
     assert_eq!(drive.lane_changes().len(), 2);
     assert!(drive.lane_changes().iter().all(|c| c.completed));
@@ -81,10 +78,7 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
     let found = mapped(&pair(LANE, NUMBERED), &pair_table()).unwrap();
     changes_lanes(&found[0]);
     let lead = &found[0].recording.others()[0];
-    assert!(
-        lead.x_m.len() == 1200,
-        "one leader, in ego's lane throughout"
-    );
+    assert!(lead.x_m.len() == 1200, "one leader, in ego's lane throughout");
 
     let platoon = mapping("platoon", "speed = \"v{n}\"\ngap = \"gap{n}\"\nlane = \"lane{n}\"\noffset = \"off{n}\"\n").replace(
         "layout = \"platoon\"\n",
@@ -98,11 +92,7 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
     let found = mapped(&platoon, &text).unwrap();
     changes_lanes(&found[0]);
     let lead = &found[0].recording.others()[0];
-    assert!(
-        lead.y_m.iter().all(|y| (y - 0.1).abs() < 1e-9),
-        "{:?}",
-        &lead.y_m[..3]
-    );
+    assert!(lead.y_m.iter().all(|y| (y - 0.1).abs() < 1e-9), "{:?}", &lead.y_m[..3]);
 
     let long = mapping(
         "long",
@@ -114,12 +104,7 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
     );
     let text = table("t,id,x,v,lane,offset", |t| {
         let (lane, offset) = in_lane(t);
-        format!(
-            "a,{},25,{},{offset}\n{t},b,{},25,1,-0.2",
-            25.0 * t,
-            lane + 1,
-            60.0 + 25.0 * t
-        )
+        format!("a,{},25,{},{offset}\n{t},b,{},25,1,-0.2", 25.0 * t, lane + 1, 60.0 + 25.0 * t)
     });
     let found = mapped(&long, &text).unwrap();
     changes_lanes(&found[0]);
@@ -129,33 +114,16 @@ fn a_pair_a_platoon_and_a_long_table_have_lanes_by_number_and_place() {
 
 #[test]
 fn a_number_alone_steps_from_lane_to_lane_and_a_place_alone_makes_no_lane_change() {
-    let steps = mapped(
-        &pair("lane = \"lane\"\n", "lanes_from = \"left\"\n"),
-        &pair_table(),
-    )
-    .unwrap()
-    .remove(0);
-    let centre = |y: &f64| {
-        [0.0, WIDTH_M, 2.0 * WIDTH_M]
-            .iter()
-            .any(|c| (y - c).abs() < 1e-9)
-    };
+    let steps = mapped(&pair("lane = \"lane\"\n", "lanes_from = \"left\"\n"), &pair_table())
+        .unwrap()
+        .remove(0);
+    let centre = |y: &f64| [0.0, WIDTH_M, 2.0 * WIDTH_M].iter().any(|c| (y - c).abs() < 1e-9);
     assert!(steps.recording.sees().lanes && steps.recording.ego().y_m.iter().all(centre));
-    let alone = mapped(
-        &pair("offset = \"offset\"\n", "offset_grows = \"right\"\n"),
-        &pair_table(),
-    )
-    .unwrap()
-    .remove(0);
+    let alone = mapped(&pair("offset = \"offset\"\n", "offset_grows = \"right\"\n"), &pair_table())
+        .unwrap()
+        .remove(0);
     assert!(!alone.recording.sees().lanes);
-    assert!(
-        alone
-            .recording
-            .ego()
-            .y_m
-            .iter()
-            .all(|y| y.abs() < 0.5 * WIDTH_M)
-    );
+    assert!(alone.recording.ego().y_m.iter().all(|y| y.abs() < 0.5 * WIDTH_M));
 }
 
 #[test]
@@ -197,47 +165,29 @@ fn what_says_where_ego_is_twice_or_lacks_a_side_is_asked_about() {
         of_toml(&text).unwrap_err().to_string()
     };
     let error = long("offset = \"offset\"\n", "");
-    assert!(
-        error.contains("`table.columns.lane` is not given: in which lane"),
-        "{error}"
-    );
+    assert!(error.contains("`table.columns.lane` is not given: in which lane"), "{error}");
     let error = long(
         "y = \"y\"\nlane = \"l\"\noffset = \"o\"\n",
         "y_grows = \"left\"\nlanes_from = \"left\"\n",
     );
-    assert!(
-        error.contains("`y` is for a position across the road"),
-        "{error}"
-    );
+    assert!(error.contains("`y` is for a position across the road"), "{error}");
 }
 
 #[test]
 fn lanes_that_the_road_has_not_are_refused_and_a_row_without_a_lane_is_counted() {
-    let beside = pair_table()
-        .replace(",3,", ",9,")
-        .replace(",2,", ",8,")
-        .replace(",1,", ",7,");
-    let error = mapped(&pair(LANE, NUMBERED), &beside)
-        .unwrap_err()
-        .to_string();
+    let beside = pair_table().replace(",3,", ",9,").replace(",2,", ",8,").replace(",1,", ",7,");
+    let error = mapped(&pair(LANE, NUMBERED), &beside).unwrap_err().to_string();
     assert!(
         error.contains("beside the road of 3 lanes") && error.contains("`first_lane`"),
         "{error}"
     );
     let text = table("t,v,gap,w,lane,offset", |t| {
         let (lane, offset) = in_lane(t);
-        let lane = if (10.0..10.2).contains(&t) {
-            String::new()
-        } else {
-            (3 - lane).to_string()
-        };
+        let lane = if (10.0..10.2).contains(&t) { String::new() } else { (3 - lane).to_string() };
         format!("25,40,25,{lane},{}", -offset)
     });
     let found = mapped(&pair(LANE, NUMBERED), &text).unwrap().remove(0);
-    let left_out = found
-        .warnings
-        .iter()
-        .find(|w| w.kind == WarningKind::MissingValue);
+    let left_out = found.warnings.iter().find(|w| w.kind == WarningKind::MissingValue);
     assert_eq!(left_out.map(|w| w.count), Some(4), "{:?}", found.warnings);
 }
 
@@ -246,11 +196,7 @@ fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write
     let wrong = pair("ego_y = \"offset\"\n", "");
     let found = mapped(&wrong, &pair_table()).unwrap().remove(0);
     let told = |found: &Ingested| {
-        found
-            .warnings
-            .iter()
-            .find(|w| w.what.contains("place in the lane"))
-            .cloned()
+        found.warnings.iter().find(|w| w.what.contains("place in the lane")).cloned()
     };
     let warning = told(&found).unwrap();
     assert_eq!((warning.kind, warning.count), (WarningKind::Unit, 2));
@@ -265,30 +211,15 @@ fn a_place_in_the_lane_that_is_mapped_across_the_road_is_told_with_what_to_write
     assert!((warning.spans_s[0].0 - 20.0).abs() < 0.2 && (warning.spans_s[1].0 - 40.0).abs() < 0.2);
     // One across the road, and one that is mapped as what it is, are not.
     let right = table("t,v,gap,w,y", |t| format!("25,40,25,{}", across_m(t)));
-    assert_eq!(
-        told(&mapped(&pair("ego_y = \"y\"\n", ""), &right).unwrap()[0]),
-        None
-    );
-    assert_eq!(
-        told(&mapped(&pair(LANE, NUMBERED), &pair_table()).unwrap()[0]),
-        None
-    );
+    assert_eq!(told(&mapped(&pair("ego_y = \"y\"\n", ""), &right).unwrap()[0]), None);
+    assert_eq!(told(&mapped(&pair(LANE, NUMBERED), &pair_table()).unwrap()[0]), None);
     // Every vehicle of a long table is looked at.
-    let long = mapping(
-        "long",
-        "id = \"id\"\nx = \"x\"\nspeed = \"v\"\ny = \"offset\"\n",
-    )
-    .replace(
+    let long = mapping("long", "id = \"id\"\nx = \"x\"\nspeed = \"v\"\ny = \"offset\"\n").replace(
         "layout = \"long\"\n",
         "layout = \"long\"\npoint = \"centre\"\ny_grows = \"left\"\n",
     );
     let text = table("t,id,x,v,offset", |t| {
-        format!(
-            "a,{},25,{}\n{t},b,{},25,0.1",
-            25.0 * t,
-            in_lane(t).1,
-            60.0 + 25.0 * t
-        )
+        format!("a,{},25,{}\n{t},b,{},25,0.1", 25.0 * t, in_lane(t).1, 60.0 + 25.0 * t)
     });
     let found = mapped(&long, &text).unwrap();
     assert!(told(&found[0]).is_some() && told(&found[1]).is_none());
@@ -314,10 +245,7 @@ fn a_lane_that_the_road_does_not_have_is_beside_it_wherever_in_it_ego_is() {
     for offset in [-0.4, 0.0, 0.4] {
         assert_eq!(read(2, 6.0, offset).unwrap(), 120, "{offset}");
         let error = read(2, 30.0, offset).unwrap_err().to_string();
-        assert!(
-            error.contains("in 600 of 1200 samples ego is beside the road"),
-            "{error}"
-        );
+        assert!(error.contains("in 600 of 1200 samples ego is beside the road"), "{error}");
         assert_eq!(read(3, 30.0, offset).unwrap(), 0, "{offset}");
     }
 }
@@ -367,10 +295,7 @@ fn a_proposal_counts_lanes_from_the_least_number_where_it_is_below_1() {
         assert!(!toml.contains("only lane"), "{toml}");
     }
     let toml = proposed(2);
-    assert!(
-        toml.contains("\nlanes = 3\n") && !toml.contains("\nfirst_lane"),
-        "{toml}"
-    );
+    assert!(toml.contains("\nlanes = 3\n") && !toml.contains("\nfirst_lane"), "{toml}");
 }
 
 #[test]
@@ -389,10 +314,7 @@ fn a_place_beyond_its_lane_is_told_and_one_in_another_unit_refused() {
     assert_eq!(read(200, 1.7).unwrap(), 0);
     assert_eq!(read(200, 9.0).unwrap(), 200);
     let error = read(400, 40.0).unwrap_err().to_string();
-    assert!(
-        error.contains("in 400 of 1200 samples a place in the lane"),
-        "{error}"
-    );
+    assert!(error.contains("in 400 of 1200 samples a place in the lane"), "{error}");
 }
 
 #[test]
@@ -425,10 +347,7 @@ fn proposal_takes_a_column_that_jumps_for_a_place_in_the_lane() {
         format!("{},40,25,{}", 25.0 + (0.3 * t).sin(), across_m(t))
     });
     let (toml, summary) = proposed(&text);
-    assert!(
-        toml.contains("ego_y = \"lateral\"\n") && !toml.contains("\noffset"),
-        "{toml}"
-    );
+    assert!(toml.contains("ego_y = \"lateral\"\n") && !toml.contains("\noffset"), "{toml}");
     assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
     let (_, summary) = proposed(&text.replace("\n2,", "\n2\n2,"));
     let early = |w: &Warning| w.what.contains("after 1 of 5 cells");
@@ -454,10 +373,7 @@ fn time_of_a_proposal_is_told_by_its_name() {
         }
         let toml = proposed(&text).unwrap();
         assert!(toml.contains(&format!("time = \"{name}\"\n")), "{toml}");
-        assert!(
-            toml.contains("[table.units]\n") && toml.contains("\ntime = \"s\"\n"),
-            "{toml}"
-        );
+        assert!(toml.contains("[table.units]\n") && toml.contains("\ntime = \"s\"\n"), "{toml}");
     }
     let mut text = "Uhrzeit,speed,gap,lead_speed\n".to_owned();
     for i in 0..600 {

@@ -41,10 +41,7 @@ fn a_platoon_below_a_preamble_has_a_drive_for_every_follower() {
     for row in 0..100 {
         assert!(near(rows.lead_dx_m[row], 40.0 - row as f64 / 10.0));
         assert!(near(rows.ego_speed_mps[row], 22.0) && near(rows.lead_speed_mps[row], 21.0));
-        assert!(
-            near(rows.ego_x_m[row], 2.2 * row as f64),
-            "the way is the speed's integral"
-        );
+        assert!(near(rows.ego_x_m[row], 2.2 * row as f64), "the way is the speed's integral");
     }
 }
 
@@ -79,10 +76,7 @@ fn highd_has_both_directions_lanes_from_its_meta_file_and_gaps_between_boxes() {
         std::slice::from_ref(&path)
     );
     let found = read_log(&path, &settings).unwrap();
-    assert_eq!(
-        ids(&found),
-        ["highd-01-1", "highd-01-2", "highd-01-3", "highd-01-4"]
-    );
+    assert_eq!(ids(&found), ["highd-01-1", "highd-01-2", "highd-01-3", "highd-01-4"]);
     for (ego, lane, gap) in [(0, 0, 46.0), (2, 1, 44.0)] {
         let drive = drive_of(&found[ego]);
         assert_eq!(drive.sees(), Sees::ALL);
@@ -91,16 +85,9 @@ fn highd_has_both_directions_lanes_from_its_meta_file_and_gaps_between_boxes() {
         let rows = drive.rows();
         assert!(rows.lane.iter().all(|&l| l == lane), "{:?}", rows.lane);
         assert!(rows.lead_present.iter().all(|&p| p));
-        assert!(
-            rows.lead_dx_m.iter().all(|&dx| near(dx, gap)),
-            "{:?}",
-            rows.lead_dx_m
-        );
+        assert!(rows.lead_dx_m.iter().all(|&dx| near(dx, gap)), "{:?}", rows.lead_dx_m);
         assert!(near(rows.ego_speed_mps[7], 30.0) && rows.ego_x_m[9] > rows.ego_x_m[8]);
-        assert!(
-            found[ego].recording.others().len() == 1,
-            "the other road is not there"
-        );
+        assert!(found[ego].recording.others().len() == 1, "the other road is not there");
     }
     let missing = tempfile::tempdir().unwrap();
     let alone = missing.path().join("01_tracks.csv");
@@ -132,27 +119,16 @@ fn exid_follows_the_named_leader_through_a_bend() {
     }
     let folder = tempfile::tempdir().unwrap();
     let path = write(&folder, "00_tracks.csv", &text);
-    write(
-        &folder,
-        "00_recordingMeta.csv",
-        "recordingId,frameRate,speedLimit\n0,25,-1\n",
-    );
+    write(&folder, "00_recordingMeta.csv", "recordingId,frameRate,speedLimit\n0,25,-1\n");
     let found = read_log(&path, &settings(shipped("exid.toml"))).unwrap();
     assert_eq!(ids(&found), ["exid-00-7", "exid-00-9"]);
     let drive = drive_of(&found[0]);
     let rows = drive.rows();
-    assert!(
-        near(drive.road().posted_speed_mps, 36.11),
-        "-1 is no speed limit"
-    );
+    assert!(near(drive.road().posted_speed_mps, 36.11), "-1 is no speed limit");
     let chord = 400.0 * 0.1_f64.sin();
     for row in 5..190 {
         assert!(rows.lead_present[row]);
-        assert!(
-            (rows.lead_dx_m[row] - (chord - 4.0)).abs() < 0.3,
-            "{}",
-            rows.lead_dx_m[row]
-        );
+        assert!((rows.lead_dx_m[row] - (chord - 4.0)).abs() < 0.3, "{}", rows.lead_dx_m[row]);
     }
     assert_eq!(lead_ids(&found[1].recording), [0_u32; 0], "-1 is nobody");
 }
@@ -184,21 +160,10 @@ fn lanes_without_a_y_move_in_steps_and_the_leader_is_the_one_in_the_lane() {
     assert!(near(rows.ego_speed_mps[3], 100.0 / 3.6));
     let stepped = rows.ego_y_m.iter().all(|y| near(*y, 0.0) || near(*y, 3.5));
     assert!(stepped, "never between lanes: {:?}", rows.ego_y_m);
-    assert_eq!(
-        rows.lane.iter().position(|&l| l == 1),
-        Some(40),
-        "not before its sample"
-    );
-    assert!(
-        near(rows.lead_dx_m[0], 100.0 * 0.3048 - 4.7),
-        "{}",
-        rows.lead_dx_m[0]
-    );
+    assert_eq!(rows.lane.iter().position(|&l| l == 1), Some(40), "not before its sample");
+    assert!(near(rows.lead_dx_m[0], 100.0 * 0.3048 - 4.7), "{}", rows.lead_dx_m[0]);
     let doubts: Vec<WarningKind> = found[0].warnings.iter().map(|w| w.kind).collect();
-    assert!(
-        doubts.contains(&WarningKind::Default),
-        "the length stands in: {doubts:?}"
-    );
+    assert!(doubts.contains(&WarningKind::Default), "the length stands in: {doubts:?}");
 }
 
 #[test]
@@ -216,11 +181,7 @@ fn a_leader_by_its_number_alone_and_one_that_vanishes() {
     let found = mapped(toml, &text).unwrap();
     let rows = drive_of(&found[0]).rows().clone();
     assert!(near(rows.lead_dx_m[10], 30.0 - 4.7));
-    assert_eq!(
-        rows.lead_present.iter().filter(|p| **p).count(),
-        59,
-        "until 2.9 s"
-    );
+    assert_eq!(rows.lead_present.iter().filter(|p| **p).count(), 59, "until 2.9 s");
     assert!(drive_of(&found[1]).rows().lead_present.iter().all(|p| !p));
 }
 
@@ -239,10 +200,7 @@ fn a_speed_that_rows_of_a_long_table_lack_is_told_and_one_below_zero_is_of_whoev
     };
     let count = |found: &[Ingested], what: &str| -> usize {
         let warnings = found.iter().flat_map(|d| &d.warnings);
-        warnings
-            .filter(|w| w.what.contains(what))
-            .map(|w| w.count)
-            .sum()
+        warnings.filter(|w| w.what.contains(what)).map(|w| w.count).sum()
     };
     let lacking = |i: u32| if (20..30).contains(&i) { "" } else { "10" };
     let told = "rows of vehicle 2 hold no speed";
@@ -270,9 +228,7 @@ fn our_own_drives_as_csv_keep_passed_vehicles_behind() {
         };
         writeln!(text, "{t},{},3.66,30,{lead},{dx},-3.66,25", 30.0 * t).unwrap();
     }
-    let found = read_named("P01-own.csv", &text, shipped("ours.toml"))
-        .unwrap()
-        .remove(0);
+    let found = read_named("P01-own.csv", &text, shipped("ours.toml")).unwrap().remove(0);
     assert_eq!(found.meta.participant.as_str(), "P01-own");
     let rows = drive_of(&found).rows().clone();
     assert!(rows.lane.iter().all(|&l| l == 1));
@@ -287,18 +243,12 @@ fn wrong_units_are_doubted_and_a_clock_that_jumps_back_is_counted() {
         let t = if i == 50 { 3.0 } else { f64::from(i) / 10.0 };
         writeln!(text, "{t},{},72,72,0,30", 2.0 * f64::from(i)).unwrap();
     }
-    let found = read_named("oa_pair_r_f2_c.csv", &text, shipped("openacc.toml"))
-        .unwrap()
-        .remove(0);
+    let found = read_named("oa_pair_r_f2_c.csv", &text, shipped("openacc.toml")).unwrap().remove(0);
     let said: Vec<(WarningKind, usize)> =
         found.warnings.iter().map(|w| (w.kind, w.count)).collect();
     assert!(said.contains(&(WarningKind::OutOfOrder, 1)), "{said:?}");
     assert!(said.contains(&(WarningKind::DuplicateTime, 1)), "{said:?}");
-    let doubt = found
-        .warnings
-        .iter()
-        .find(|w| w.kind == WarningKind::Unit)
-        .unwrap();
+    let doubt = found.warnings.iter().find(|w| w.kind == WarningKind::Unit).unwrap();
     assert!(doubt.what.contains("3.60 times"), "{}", doubt.what);
 }
 
@@ -312,10 +262,7 @@ fn gaps_m(
     along: f64,
 ) -> Vec<f64> {
     let (id, speed) = if layout == "long" {
-        (
-            "id = \"id\"\nx = \"x\"\nlength = \"l\"\nwidth = \"b\"\n",
-            "speed",
-        )
+        ("id = \"id\"\nx = \"x\"\nlength = \"l\"\nwidth = \"b\"\n", "speed")
     } else {
         ("ego_x = \"x\"\nego_length = \"l\"\n", "ego_speed")
     };
@@ -345,17 +292,10 @@ fn the_same_gap_comes_of_every_point_of_a_vehicle_and_of_every_kind_of_gap() {
         ("reference", [-1.3, 38.7]),
     ];
     let all_35 = |dx_m: Vec<f64>, what: &str| {
-        assert!(
-            dx_m.len() > 100 && dx_m.iter().all(|dx| near(*dx, 35.0)),
-            "{what}: {dx_m:?}"
-        );
+        assert!(dx_m.len() > 100 && dx_m.iter().all(|dx| near(*dx, 35.0)), "{what}: {dx_m:?}");
     };
     for (point, x_m) in points {
-        let reference = if point == "reference" {
-            "centre_ahead_m = 1.3"
-        } else {
-            ""
-        };
+        let reference = if point == "reference" { "centre_ahead_m = 1.3" } else { "" };
         let keys = format!("point = \"{point}\"\n{reference}");
         all_35(gaps_m("long", &keys, lead, x_m, 0.0, 1.0), &keys);
         if ["front", "rear", "centre"].contains(&point) {
@@ -365,21 +305,13 @@ fn the_same_gap_comes_of_every_point_of_a_vehicle_and_of_every_kind_of_gap() {
             all_35(gaps_m("pair", &keys, lead, x_m, 0.0, -1.0), &keys);
         }
     }
-    for (kind, gap_m) in [
-        ("bumper_to_bumper", 35.0),
-        ("front_to_front", 41.0),
-        ("centre_to_centre", 40.0),
-    ] {
+    for (kind, gap_m) in
+        [("bumper_to_bumper", 35.0), ("front_to_front", 41.0), ("centre_to_centre", 40.0)]
+    {
         let keys = format!("gap_kind = \"{kind}\"");
-        all_35(
-            gaps_m("pair", &keys, "gap = \"gap\"", [0.0, 0.0], gap_m, 1.0),
-            &keys,
-        );
+        all_35(gaps_m("pair", &keys, "gap = \"gap\"", [0.0, 0.0], gap_m, 1.0), &keys);
         let keys = format!("{keys}\npoint = \"centre\"");
-        all_35(
-            gaps_m("long", &keys, "gap = \"gap\"", [0.0, 0.0], gap_m, 1.0),
-            &keys,
-        );
+        all_35(gaps_m("long", &keys, "gap = \"gap\"", [0.0, 0.0], gap_m, 1.0), &keys);
     }
 }
 

@@ -43,10 +43,7 @@ fn recording(hole: bool) -> Recording {
     let ego = EgoTrack {
         length_m: 4.83,
         x_m: time_s.iter().map(|&t| way(t)).collect(),
-        y_m: time_s
-            .iter()
-            .map(|t| 3.66 / (1.0 + (20.0 - t).exp()))
-            .collect(),
+        y_m: time_s.iter().map(|t| 3.66 / (1.0 + (20.0 - t).exp())).collect(),
         speed_mps: time_s.iter().map(|&t| speed(t)).collect(),
     };
     let track = |id, first_row: usize, last_row: usize| {

@@ -20,10 +20,7 @@ pub(super) fn of_toml(text: &str) -> Result<Mapping, IngestError> {
 
 /// This mapping, all else as by default.
 pub(super) fn settings(mapping: Mapping) -> IngestSettings {
-    IngestSettings {
-        mapping: Some(mapping),
-        ..IngestSettings::default()
-    }
+    IngestSettings { mapping: Some(mapping), ..IngestSettings::default() }
 }
 
 /// A table in a file of that name, read by a mapping.

@@ -16,18 +16,9 @@ fn files_that_are_no_logs_are_told_apart() {
         read_log(&path, &settings).unwrap_err()
     };
     assert!(matches!(of("a.mcap", b""), IngestError::Empty { .. }));
-    assert!(matches!(
-        of("b.mcap", b"PAR1\0\x01\xff"),
-        IngestError::NotALog { .. }
-    ));
-    assert!(matches!(
-        of("c.csv", b"t,x\n1,2\n"),
-        IngestError::NoMapping { .. }
-    ));
-    assert!(matches!(
-        of("d.mcap", b"\x89MC"),
-        IngestError::Bag(BagError::Damaged { .. })
-    ));
+    assert!(matches!(of("b.mcap", b"PAR1\0\x01\xff"), IngestError::NotALog { .. }));
+    assert!(matches!(of("c.csv", b"t,x\n1,2\n"), IngestError::NoMapping { .. }));
+    assert!(matches!(of("d.mcap", b"\x89MC"), IngestError::Bag(BagError::Damaged { .. })));
     let missing = read_log(&folder.path().join("none.mcap"), &settings).unwrap_err();
     assert!(matches!(missing, IngestError::NotFound { .. }));
     let is_folder = read_log(folder.path(), &settings).unwrap_err();
@@ -38,67 +29,26 @@ fn files_that_are_no_logs_are_told_apart() {
 fn what_is_often_taken_for_a_log_is_named_with_what_makes_one_of_it() {
     let folder = tempfile::tempdir().unwrap();
     for (name, start, what, advice) in [
-        (
-            "a.bag",
-            &b"#ROSBAG V2.0\n\x45\0\0\0"[..],
-            "ROS 1 bag",
-            "mcap convert",
-        ),
-        (
-            "b.mcap",
-            b"#ROSBAG V2.0\n\x45\0\0\0",
-            "ROS 1 bag",
-            "mcap convert",
-        ),
-        (
-            "c.db3",
-            b"SQLite format 3\0\x10\0",
-            "SQLite",
-            "mcap convert",
-        ),
-        (
-            "d.mcap.gz",
-            &[0x1f, 0x8b, 8, 0, 0, 0, 0, 0],
-            "gzip",
-            "gunzip",
-        ),
-        (
-            "e.mcap.zstd",
-            &[0x28, 0xb5, 0x2f, 0xfd, 4, 0],
-            "zstd",
-            "zstd -d",
-        ),
+        ("a.bag", &b"#ROSBAG V2.0\n\x45\0\0\0"[..], "ROS 1 bag", "mcap convert"),
+        ("b.mcap", b"#ROSBAG V2.0\n\x45\0\0\0", "ROS 1 bag", "mcap convert"),
+        ("c.db3", b"SQLite format 3\0\x10\0", "SQLite", "mcap convert"),
+        ("d.mcap.gz", &[0x1f, 0x8b, 8, 0, 0, 0, 0, 0], "gzip", "gunzip"),
+        ("e.mcap.zstd", &[0x28, 0xb5, 0x2f, 0xfd, 4, 0], "zstd", "zstd -d"),
         ("k.csv", b"\xff\xfet\0,\0v\0\n\0", "UTF-16", "UTF-8"),
-        (
-            "l.csv",
-            b"t,F\xfchrer\n0,1\n",
-            "line 1 holds the byte fc",
-            "UTF-8",
-        ),
-        (
-            "m.csv",
-            b"t,speed\n0,1\n\0,2\n",
-            "line 3 holds a zero byte",
-            "UTF-8",
-        ),
+        ("l.csv", b"t,F\xfchrer\n0,1\n", "line 1 holds the byte fc", "UTF-8"),
+        ("m.csv", b"t,speed\n0,1\n\0,2\n", "line 3 holds a zero byte", "UTF-8"),
         ("n.csv", b"\xc3", "starts with c3", "MCAP"),
         ("f.xlsx", b"PK\x03\x04\x14\0", "spreadsheet", "CSV"),
         ("g.h5", b"\x89HDF\r\n\x1a\n\0", "HDF5", "CSV"),
         ("h.png", b"\x89PNG\r\n\x1a\n\0\0", "picture", "MCAP"),
         ("i.mcap", b"time,speed\n0,1\n", "text", ".csv"),
-        (
-            "j.bin",
-            &[0, 1, 2, 3, 0xff],
-            "starts with 00 01 02 03 ff",
-            "MCAP",
-        ),
+        ("j.bin", &[0, 1, 2, 3, 0xff], "starts with 00 01 02 03 ff", "MCAP"),
     ] {
         let path = folder.path().join(name);
         std::fs::write(&path, start).unwrap();
-        for error in [
-            read_log(&path, &IngestSettings::default()).unwrap_err(),
-            inspect(&path).unwrap_err(),
-        ] {
+        for error in
+            [read_log(&path, &IngestSettings::default()).unwrap_err(), inspect(&path).unwrap_err()]
+        {
             assert!(error.to_string().contains(what), "{error}");
             let said = error.suggestion().unwrap();
             assert!(said.contains(advice), "{said}");
@@ -132,10 +82,7 @@ fn a_split_recording_that_lacks_a_part_is_refused_and_recovered_with_its_hole() 
     std::fs::create_dir(&folder).unwrap();
     split_into(&folder);
     let settings = IngestSettings::default();
-    let recover = IngestSettings {
-        recover: true,
-        ..IngestSettings::default()
-    };
+    let recover = IngestSettings { recover: true, ..IngestSettings::default() };
     let whole = read_log(&folder, &settings).unwrap().remove(0);
     let summary = inspect(&folder).unwrap();
     assert_eq!(summary.channels.len(), 2);
@@ -149,10 +96,7 @@ fn a_split_recording_that_lacks_a_part_is_refused_and_recovered_with_its_hole() 
         if let Some(text) = metadata {
             std::fs::write(folder.join("metadata.yaml"), text).unwrap();
         }
-        assert_eq!(
-            log_files(&folder, None).unwrap(),
-            std::slice::from_ref(&folder)
-        );
+        assert_eq!(log_files(&folder, None).unwrap(), std::slice::from_ref(&folder));
         let error = read_log(&folder, &settings).unwrap_err();
         assert!(
             matches!(&error, IngestError::MissingPart { part, .. } if part == "run_1.mcap"),
@@ -170,9 +114,7 @@ fn a_split_recording_that_lacks_a_part_is_refused_and_recovered_with_its_hole() 
 
 #[test]
 fn an_intact_log_with_one_very_large_message_is_read_and_the_message_counted() {
-    let mut out = WriteOptions::new()
-        .create(std::io::Cursor::new(Vec::new()))
-        .unwrap();
+    let mut out = WriteOptions::new().create(std::io::Cursor::new(Vec::new())).unwrap();
     let log = super::bytes_of(&super::recording(false));
     let map = mcap::Channel {
         id: 77,
@@ -208,15 +150,9 @@ fn an_intact_log_with_one_very_large_message_is_read_and_the_message_counted() {
 #[test]
 fn what_was_read_is_known_by_its_name_and_hash_however_it_ends() {
     let folder = tempfile::tempdir().unwrap();
-    let settings = IngestSettings {
-        recover: true,
-        ..IngestSettings::default()
-    };
+    let settings = IngestSettings { recover: true, ..IngestSettings::default() };
     let whole = bytes_of(&recording(false));
-    for (i, bytes) in [&whole[..], &whole[..whole.len() / 2]]
-        .into_iter()
-        .enumerate()
-    {
+    for (i, bytes) in [&whole[..], &whole[..whole.len() / 2]].into_iter().enumerate() {
         let path = folder.path().join(format!("{i}.mcap"));
         std::fs::write(&path, bytes).unwrap();
         let found = read_log(&path, &settings).unwrap();
@@ -224,27 +160,19 @@ fn what_was_read_is_known_by_its_name_and_hash_however_it_ends() {
             panic!("{:?}", found[0].sources);
         };
         assert_eq!(source.name, format!("{i}.mcap"));
-        assert_eq!(
-            source.blake3,
-            blake3::hash(bytes).to_hex().to_string(),
-            "case {i}"
-        );
+        assert_eq!(source.blake3, blake3::hash(bytes).to_hex().to_string(), "case {i}");
     }
 }
 
 /// A log whose second, lesser odometry nobody can decode, and which lies about it in its summary if `lies`.
 fn with_a_rival(lies: bool) -> Vec<u8> {
     let log = bytes_of(&recording(false));
-    let options = WriteOptions::new()
-        .compression(None)
-        .calculate_summary_section_crc(false);
+    let options = WriteOptions::new().compression(None).calculate_summary_section_crc(false);
     let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
     let none = std::collections::BTreeMap::new();
     let mut channel = |topic: &str, like: &mcap::Channel<'_>| {
         let schema = like.schema.as_ref().unwrap();
-        let schema = out
-            .add_schema(&schema.name, &schema.encoding, &schema.data)
-            .unwrap();
+        let schema = out.add_schema(&schema.name, &schema.encoding, &schema.data).unwrap();
         out.add_channel(schema, topic, "cdr", &none).unwrap()
     };
     let first = mcap::MessageStream::new(&log).unwrap().map(Result::unwrap);
@@ -262,15 +190,12 @@ fn with_a_rival(lies: bool) -> Vec<u8> {
             publish_time: message.log_time,
         };
         if message.channel.topic.ends_with("objects") {
-            out.write_to_known_channel(&head(objects), &message.data)
-                .unwrap();
+            out.write_to_known_channel(&head(objects), &message.data).unwrap();
             continue;
         }
-        out.write_to_known_channel(&head(ours), &message.data)
-            .unwrap();
+        out.write_to_known_channel(&head(ours), &message.data).unwrap();
         if message.log_time % 200_000_000 == 0 {
-            out.write_to_known_channel(&head(rival), &[0, 1, 0, 0, 7])
-                .unwrap();
+            out.write_to_known_channel(&head(rival), &[0, 1, 0, 0, 7]).unwrap();
         }
     }
     out.finish().unwrap();
@@ -289,31 +214,16 @@ fn only_chosen_channels_are_decoded_and_a_summary_that_lies_is_not_believed() {
     let read = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        (
-            read_log(&path, &IngestSettings::default())
-                .unwrap()
-                .remove(0),
-            path,
-        )
+        (read_log(&path, &IngestSettings::default()).unwrap().remove(0), path)
     };
     let misfits = |warnings: &[maveric_ingest::Warning]| {
-        let bad = warnings
-            .iter()
-            .filter(|w| w.kind == WarningKind::BadMessage);
+        let bad = warnings.iter().filter(|w| w.kind == WarningKind::BadMessage);
         bad.map(|w| w.count).sum::<usize>()
     };
     let (honest, path) = read("rival.mcap", &with_a_rival(false));
     assert!(honest.recording.rows() > 1000);
-    assert_eq!(
-        misfits(&honest.warnings),
-        0,
-        "what is not chosen is not decoded"
-    );
-    assert_eq!(
-        misfits(&inspect(&path).unwrap().warnings),
-        300,
-        "inspect tells of it"
-    );
+    assert_eq!(misfits(&honest.warnings), 0, "what is not chosen is not decoded");
+    assert_eq!(misfits(&inspect(&path).unwrap().warnings), 300, "inspect tells of it");
     let (lie, _) = read("lie.mcap", &with_a_rival(true));
     assert_eq!(lie.recording, honest.recording);
     assert_eq!(misfits(&lie.warnings), 300, "everything was read");

@@ -56,8 +56,7 @@ fn a_topic_on_two_channels_is_one() {
             let schema = rig.out.add_schema(kind.0, "ros2msg", kind.1.as_bytes());
             let of_node = std::collections::BTreeMap::from([("node".to_owned(), "2".to_owned())]);
             let channel = rig.out.add_channel(schema.unwrap(), topic, "cdr", &of_node);
-            rig.channels
-                .insert(format!("{topic} again"), channel.unwrap());
+            rig.channels.insert(format!("{topic} again"), channel.unwrap());
         };
         if i == 1 {
             fresh(&mut rig, EGO, ODOMETRY);
@@ -86,17 +85,9 @@ fn rows_at_which_nobody_looked_are_a_hole_and_no_free_road() {
     let found = read(&log(0.3, "map", silent), None);
     let recording = &found.recording;
     assert_eq!(recording.rows(), ROWS - 200);
-    assert_eq!(
-        gaps(&found).len(),
-        ROWS - 200,
-        "the leader is there in every row"
-    );
+    assert_eq!(gaps(&found).len(), ROWS - 200, "the leader is there in every row");
     assert_eq!(recording.segment().last(), Some(&1));
-    let hole = found
-        .warnings
-        .iter()
-        .find(|w| w.kind == WarningKind::Hole)
-        .unwrap();
+    let hole = found.warnings.iter().find(|w| w.kind == WarningKind::Hole).unwrap();
     assert_eq!((hole.count, hole.spans_s.len()), (200, 1));
     assert!((hole.spans_s[0].0 - 9.95).abs() < 1e-6 && (hole.spans_s[0].1 - 20.0).abs() < 1e-6);
     // An empty list is a look at an empty road.
@@ -109,25 +100,16 @@ fn rows_at_which_nobody_looked_are_a_hole_and_no_free_road() {
         rig.send(OTHERS, OBJECTS, t, &list);
     }
     let found = read(&rig.log(), None);
-    assert_eq!(
-        (found.recording.rows(), gaps(&found).len()),
-        (ROWS, ROWS - 200)
-    );
+    assert_eq!((found.recording.rows(), gaps(&found).len()), (ROWS, ROWS - 200));
     assert!(!said(&found, "not seen"));
     // Once a second nobody knows anything between.
     let error = try_read(&log(0.3, "map", |i| i % 20 == 0), None).unwrap_err();
-    assert!(
-        matches!(error, IngestError::SeldomSeen { sightings: 30, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, IngestError::SeldomSeen { sightings: 30, .. }), "{error}");
 }
 
 #[test]
 fn odometry_without_a_twist_has_the_speed_of_its_positions() {
-    let head = ODOMETRY
-        .1
-        .find("geometry_msgs/TwistWithCovariance twist")
-        .unwrap();
+    let head = ODOMETRY.1.find("geometry_msgs/TwistWithCovariance twist").unwrap();
     let rest = &ODOMETRY.1[head..];
     let line = rest.find('\n').unwrap();
     let without = format!("{}{}", &ODOMETRY.1[..head], &rest[line..]);
@@ -135,12 +117,7 @@ fn odometry_without_a_twist_has_the_speed_of_its_positions() {
         let mut rig = Rig::new();
         for t in times() {
             if whole {
-                rig.send(
-                    "/odom",
-                    ODOMETRY,
-                    t,
-                    &odometry(t, ego_at(0.3, t), f64::NAN, f64::NAN),
-                );
+                rig.send("/odom", ODOMETRY, t, &odometry(t, ego_at(0.3, t), f64::NAN, f64::NAN));
             } else {
                 let mut bytes = cdr();
                 bytes.header(t, "map").string("ego_vehicle");

@@ -43,19 +43,13 @@ fn signal_that_no_name_tells_is_named() {
     let cases = [
         ("t,a,gap", "a speed was not found"),
         ("t,speed,thw", "a vehicle ahead was not found"),
-        (
-            "t,speed,vehicle_id",
-            "a position along the road was not found",
-        ),
+        ("t,speed,vehicle_id", "a position along the road was not found"),
         ("a,speed,gap", "a time was not found"),
     ];
     for (header, says) in cases {
         let refused = proposed(&table(header, |t| format!("{},{}", speed(t), 40))).unwrap_err();
         assert!(refused.contains(says), "{header}: {refused}");
-        assert!(
-            refused.contains("no mapping can be proposed for "),
-            "{refused}"
-        );
+        assert!(refused.contains("no mapping can be proposed for "), "{refused}");
     }
     let text = table("t,speed,gap", |t| format!("{},{}", speed(t), 40));
     assert!(proposed(&text).is_ok());

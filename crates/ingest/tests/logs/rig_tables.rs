@@ -36,11 +36,9 @@ fn rows(time_of: impl Fn(u32) -> f64, count: u32, with_offset: bool) -> String {
 fn holds_what_the_rows_say(drive: &Drive) {
     let rows = drive.rows();
     assert!(rows.ego_speed_mps.iter().all(|v| (v - 30.0).abs() < 1e-9));
-    for (seconds, gap_m, speed_mps, id) in [
-        (0.0, 60.0, 28.0, 1),
-        (9.0, 42.0, 28.0, 1),
-        (50.0, 25.5, 30.0, 2),
-    ] {
+    for (seconds, gap_m, speed_mps, id) in
+        [(0.0, 60.0, 28.0, 1), (9.0, 42.0, 28.0, 1), (50.0, 25.5, 30.0, 2)]
+    {
         let row = row_at(drive, seconds);
         assert!((rows.lead_dx_m[row] - gap_m).abs() < 1e-6, "{seconds}");
         assert!((rows.lead_speed_mps[row] - speed_mps).abs() < 1e-6);
@@ -66,10 +64,7 @@ fn table_of_uah_gives_speed_gap_and_offset() {
     assert_eq!(drive.rows().segment.iter().max(), Some(&1));
     let without_place = found[0].warnings.iter();
     let counts: Vec<usize> = without_place
-        .filter(|w| {
-            w.what
-                .starts_with("samples of ego with a value that is not finite")
-        })
+        .filter(|w| w.what.starts_with("samples of ego with a value that is not finite"))
         .map(|w| w.count)
         .collect();
     assert_eq!(counts, [15]);
@@ -141,19 +136,10 @@ fn table_without_header_has_columns_by_number() {
         rows + odd + &(6..12).map(row).collect::<String>()
     };
     let drive = drive_of(&mapped(&mapping, &text("")).unwrap()[0]);
-    assert!(
-        drive
-            .rows()
-            .lead_dx_m
-            .iter()
-            .all(|m| (m - 40.0).abs() < 1e-9)
-    );
+    assert!(drive.rows().lead_dx_m.iter().all(|m| (m - 40.0).abs() < 1e-9));
     for (odd, says) in [
         ("0.55 30.0\n", "row 7 has 2 cells, expected 5"),
-        (
-            "0.55 30.0 -1 40.0 30.0 7\n",
-            "row 7 has 6 cells, expected 5",
-        ),
+        ("0.55 30.0 -1 40.0 30.0 7\n", "row 7 has 6 cells, expected 5"),
         ("0.55 fast -1 40.0 30.0\n", "row 7 column `2` holds `fast`"),
     ] {
         let error = mapped(&mapping, &text(odd)).unwrap_err().to_string();

@@ -11,34 +11,19 @@ use maveric_ingest::{
 use mcap::{WriteOptions, Writer, records::MessageHeader};
 use std::{collections::BTreeMap, io::Cursor, path::Path};
 
-pub(super) const ODOMETRY: (&str, &str) = (
-    "nav_msgs/msg/Odometry",
-    include_str!("definitions/odometry.txt"),
-);
-const POSE: (&str, &str) = (
-    "geometry_msgs/msg/PoseStamped",
-    include_str!("definitions/posestamped.txt"),
-);
-const TWIST: (&str, &str) = (
-    "geometry_msgs/msg/TwistStamped",
-    include_str!("definitions/twiststamped.txt"),
-);
-const FIX: (&str, &str) = (
-    "sensor_msgs/msg/NavSatFix",
-    include_str!("definitions/navsatfix.txt"),
-);
-pub(super) const OBJECTS: (&str, &str) = (
-    "derived_object_msgs/msg/ObjectArray",
-    include_str!("definitions/objectarray.txt"),
-);
-const TRACKED: (&str, &str) = (
-    "autoware_perception_msgs/msg/TrackedObjects",
-    include_str!("definitions/trackedobjects.txt"),
-);
-const VELOCITY: (&str, &str) = (
-    "autoware_vehicle_msgs/msg/VelocityReport",
-    include_str!("definitions/velocityreport.txt"),
-);
+pub(super) const ODOMETRY: (&str, &str) =
+    ("nav_msgs/msg/Odometry", include_str!("definitions/odometry.txt"));
+const POSE: (&str, &str) =
+    ("geometry_msgs/msg/PoseStamped", include_str!("definitions/posestamped.txt"));
+const TWIST: (&str, &str) =
+    ("geometry_msgs/msg/TwistStamped", include_str!("definitions/twiststamped.txt"));
+const FIX: (&str, &str) = ("sensor_msgs/msg/NavSatFix", include_str!("definitions/navsatfix.txt"));
+pub(super) const OBJECTS: (&str, &str) =
+    ("derived_object_msgs/msg/ObjectArray", include_str!("definitions/objectarray.txt"));
+const TRACKED: (&str, &str) =
+    ("autoware_perception_msgs/msg/TrackedObjects", include_str!("definitions/trackedobjects.txt"));
+const VELOCITY: (&str, &str) =
+    ("autoware_vehicle_msgs/msg/VelocityReport", include_str!("definitions/velocityreport.txt"));
 
 /// Half a minute at 20 Hz.
 pub(super) const ROWS: usize = 600;
@@ -88,8 +73,7 @@ impl Bytes {
             self.u32(7);
         }
         let ns = (t * 1e9).round() as u64;
-        self.u32((ns / 1_000_000_000) as u32)
-            .u32((ns % 1_000_000_000) as u32);
+        self.u32((ns / 1_000_000_000) as u32).u32((ns % 1_000_000_000) as u32);
         self.string(frame)
     }
     pub(super) fn pose(&mut self, (x, y, yaw): Place) -> &mut Self {
@@ -104,10 +88,7 @@ impl Bytes {
 }
 
 pub(super) fn cdr() -> Bytes {
-    Bytes {
-        bytes: vec![0, 1, 0, 0],
-        packed: false,
-    }
+    Bytes { bytes: vec![0, 1, 0, 0], packed: false }
 }
 
 pub(super) type Place = (f64, f64, f64);
@@ -126,18 +107,8 @@ impl Rig {
     }
 
     pub(super) fn send(&mut self, topic: &str, (name, text): (&str, &str), t: f64, bytes: &Bytes) {
-        let encodings = if bytes.packed {
-            ("ros1msg", "ros1")
-        } else {
-            ("ros2msg", "cdr")
-        };
-        self.send_as(
-            topic,
-            (name, encodings.0, text.as_bytes()),
-            encodings.1,
-            t,
-            &bytes.bytes,
-        );
+        let encodings = if bytes.packed { ("ros1msg", "ros1") } else { ("ros2msg", "cdr") };
+        self.send_as(topic, (name, encodings.0, text.as_bytes()), encodings.1, t, &bytes.bytes);
     }
 
     pub(super) fn send_as(
@@ -151,16 +122,10 @@ impl Rig {
         let out = &mut self.out;
         let channel_id = *self.channels.entry(topic.to_owned()).or_insert_with(|| {
             let id = out.add_schema(schema.0, schema.1, schema.2).unwrap();
-            out.add_channel(id, topic, encoding, &BTreeMap::new())
-                .unwrap()
+            out.add_channel(id, topic, encoding, &BTreeMap::new()).unwrap()
         });
         let log_time = ((t + 0.01) * 1e9) as u64;
-        let head = MessageHeader {
-            channel_id,
-            sequence: 0,
-            log_time,
-            publish_time: log_time,
-        };
+        let head = MessageHeader { channel_id, sequence: 0, log_time, publish_time: log_time };
         out.write_to_known_channel(&head, bytes).unwrap();
     }
 
@@ -177,11 +142,7 @@ pub(super) fn times() -> impl Iterator<Item = f64> {
 /// Along a straight road that points to `yaw`: a place `along` and `left` of its start.
 pub(super) fn road(yaw: f64, along: f64, left: f64) -> Place {
     let (sin, cos) = yaw.sin_cos();
-    (
-        500.0 + along * cos - left * sin,
-        -300.0 + along * sin + left * cos,
-        yaw,
-    )
+    (500.0 + along * cos - left * sin, -300.0 + along * sin + left * cos, yaw)
 }
 
 pub(super) fn ego_at(yaw: f64, t: f64) -> Place {
@@ -210,18 +171,8 @@ pub(super) fn objects_in(
     bytes.header(t, frame).u32(all.len() as u32);
     for &(id, place, length, class) in all {
         bytes.header(t, frame).u32(id).u8(0).u8(1).pose(place);
-        bytes
-            .twist(SPEED * place.2.cos(), SPEED * place.2.sin())
-            .f64s(&[0.0; 6]);
-        bytes
-            .u32(0)
-            .u8(1)
-            .u32(3)
-            .f64s(&[length, 2.0, 1.5])
-            .u32(0)
-            .u8(class)
-            .u8(255)
-            .u32(1);
+        bytes.twist(SPEED * place.2.cos(), SPEED * place.2.sin()).f64s(&[0.0; 6]);
+        bytes.u32(0).u8(1).u32(3).f64s(&[length, 2.0, 1.5]).u32(0).u8(class).u8(255).u32(1);
     }
     bytes
 }
@@ -233,13 +184,7 @@ pub(super) fn read(log: &[u8], mapping: Option<&str>) -> Ingested {
 pub(super) fn try_read(log: &[u8], mapping: Option<&str>) -> Result<Ingested, IngestError> {
     let file = tempfile::Builder::new().suffix(".mcap").tempfile().unwrap();
     std::fs::write(file.path(), log).unwrap();
-    assert!(
-        inspect(file.path())
-            .unwrap()
-            .channels
-            .iter()
-            .all(|c| c.decodable)
-    );
+    assert!(inspect(file.path()).unwrap().channels.iter().all(|c| c.decodable));
     let settings = IngestSettings {
         mapping: mapping.map(|text| Mapping::from_toml(text, Path::new("given.toml")).unwrap()),
         ..IngestSettings::default()
@@ -257,10 +202,7 @@ pub(super) fn gaps(found: &Ingested) -> Vec<f64> {
 
 pub(super) fn close(found: &[f64], expected: f64, rows: usize) {
     assert!(found.len() >= rows, "{} of {rows} rows", found.len());
-    let worst = found
-        .iter()
-        .map(|v| (v - expected).abs())
-        .fold(0.0, f64::max);
+    let worst = found.iter().map(|v| (v - expected).abs()).fold(0.0, f64::max);
     assert!(worst < 1e-3, "{worst} off {expected}");
 }
 

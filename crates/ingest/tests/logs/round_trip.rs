@@ -63,14 +63,8 @@ fn a_coarser_rate_keeps_the_positions_that_it_has() {
     let written = recording(false);
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), bytes_of(&written)).unwrap();
-    let settings = IngestSettings {
-        rate_hz: Some(10.0),
-        ..IngestSettings::default()
-    };
-    let found = read_log(file.path(), &settings)
-        .unwrap()
-        .remove(0)
-        .recording;
+    let settings = IngestSettings { rate_hz: Some(10.0), ..IngestSettings::default() };
+    let found = read_log(file.path(), &settings).unwrap().remove(0).recording;
     let expected: Vec<f64> = written.ego().x_m.iter().copied().step_by(2).collect();
     same(&found.ego().x_m, &expected);
 }

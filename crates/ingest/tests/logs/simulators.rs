@@ -68,9 +68,8 @@ fn esminis_columns_of_each_vehicle_become_one_drive_of_ego_behind_the_other() {
 /// What openPASS writes: three lanes, an agent that goes away, and its cells empty from then on.
 fn openpass(lanes_driven: usize) -> String {
     let samples = ["VelocityEgo", "XPosition", "YPosition", "YawAngle"];
-    let header: Vec<String> = (0..4)
-        .flat_map(|id| samples.map(|s| format!("{id:02}:{s}")))
-        .collect();
+    let header: Vec<String> =
+        (0..4).flat_map(|id| samples.map(|s| format!("{id:02}:{s}"))).collect();
     let mut text = format!("Timestep, {}\n", header.join(", "));
     let y = |lane: usize| -9.0 + 3.75 * lane.min(lanes_driven - 1) as f64;
     for i in 0..600 {
@@ -91,12 +90,7 @@ fn openpass(lanes_driven: usize) -> String {
 
 #[test]
 fn openpass_agents_find_their_lanes_where_they_drive_and_go_when_their_cells_are_empty() {
-    let found = read(
-        shipped("openpass_cyclics.toml"),
-        "P01_own.csv",
-        &openpass(3),
-    )
-    .unwrap();
+    let found = read(shipped("openpass_cyclics.toml"), "P01_own.csv", &openpass(3)).unwrap();
     let recording = &found[0].recording;
     assert_eq!(found.len(), 1);
     let road = recording.road();
@@ -109,16 +103,8 @@ fn openpass_agents_find_their_lanes_where_they_drive_and_go_when_their_cells_are
     assert_eq!(lanes(1100), [1, 0, 2], "agent 02 is gone");
     let drive = drive_of(&found[0]);
     assert_eq!(drive.lane_changes().len(), 1);
-    let error = read(
-        shipped("openpass_cyclics.toml"),
-        "P01_own.csv",
-        &openpass(2),
-    )
-    .unwrap_err();
-    assert!(
-        error.contains("drove in 2 lanes") && error.contains("expected 3"),
-        "{error}"
-    );
+    let error = read(shipped("openpass_cyclics.toml"), "P01_own.csv", &openpass(2)).unwrap_err();
+    assert!(error.contains("drove in 2 lanes") && error.contains("expected 3"), "{error}");
 }
 
 const WORLD: &str = "[road]\nlanes = 2\nlane_width_m = 3.5\nposted_speed_mps = 30.0\n[table]\nlayout = \"long\"\npoint = \"centre\"\n\
@@ -170,48 +156,28 @@ fn edges_place_lanes_and_keys_that_contradict_them_are_refused() {
         format!("t,me_x,me_y,me_v,other_x,other_y,other_v\n{rows}")
     };
     let with = |keys: &str| {
-        mapping(&format!(
-            "{keys}\n{}",
-            WORLD.replacen("[road]\n", "[road]\nframe = \"map\"\n", 1)
-        ))
+        mapping(&format!("{keys}\n{}", WORLD.replacen("[road]\n", "[road]\nframe = \"map\"\n", 1)))
     };
     let edges = with("lane_edges_m = [-8.0, -5.0, -1.0]").unwrap();
     let lane = |y: f64| {
         let found = read(edges.clone(), "a.csv", &text(y)).unwrap().remove(0);
-        found
-            .recording
-            .road()
-            .nearest_lane(found.recording.ego().y_m[50])
+        found.recording.road().nearest_lane(found.recording.ego().y_m[50])
     };
     assert_eq!((lane(-6.5), lane(-4.6)), (0, 1));
     for (keys, words) in [
         ("lane_edges_m = [1.0, 2.0]", "has 2 numbers, expected 3"),
         ("lane_edges_m = [3.0, 2.0, 1.0]", "rising"),
-        (
-            "lane_edges_m = [1.0, 2.0, 3.0]\nlanes_driven = true",
-            "only one of",
-        ),
+        ("lane_edges_m = [1.0, 2.0, 3.0]\nlanes_driven = true", "only one of"),
     ] {
         let error = with(keys).unwrap_err();
         assert!(error.contains(words), "{keys}: {error}");
     }
     let unknown = WORLD.replace("ego = \"me\"", "ego = \"you\"");
     let error = read(mapping(&unknown).unwrap(), "a.csv", &text(0.0)).unwrap_err();
-    assert!(
-        error.contains("`you`") && error.contains("me, other"),
-        "{error}"
-    );
+    assert!(error.contains("`you`") && error.contains("me, other"), "{error}");
     for (from, to, words) in [
-        (
-            "y = \"{id}_y\"",
-            "y = \"side\"",
-            "expected a name with `{id}`",
-        ),
-        (
-            "time = \"t\"",
-            "time = \"t\"\nid = \"name\"",
-            "leave it out",
-        ),
+        ("y = \"{id}_y\"", "y = \"side\"", "expected a name with `{id}`"),
+        ("time = \"t\"", "time = \"t\"\nid = \"name\"", "leave it out"),
         ("x = \"{id}_x\"", "x = \"x\"", "`{id}`"),
         ("\"centre\"", "\"reference\"", "centre_ahead_m"),
     ] {
@@ -253,13 +219,7 @@ fn times_of_day_and_dates_are_proposed_as_they_are_written_and_doubtful_ones_are
         );
     }
     let iso = proposed(&|i| format!("2022-07-02T{}Z", clock(i))).unwrap();
-    assert!(
-        iso.contains("time = \"iso8601\"") && iso.contains("Read by it: 1 drive"),
-        "{iso}"
-    );
+    assert!(iso.contains("time = \"iso8601\"") && iso.contains("Read by it: 1 drive"), "{iso}");
     let month_or_day = proposed(&|i| format!("02/07/2022 {}", clock(i))).unwrap_err();
-    assert!(
-        month_or_day.contains("a time was not found"),
-        "{month_or_day}"
-    );
+    assert!(month_or_day.contains("a time was not found"), "{month_or_day}");
 }

@@ -105,26 +105,17 @@ fn parts_whose_clock_goes_on_are_the_drive_that_one_file_is_whichever_of_them_is
     assert_eq!(logs, [split.path(parts[0]), split.path("P02_calm.csv")]);
     let files = log_parts(&logs[0], mapping.as_ref()).unwrap();
     assert_eq!(files, parts.map(|part| split.path(part)));
-    let said = inspect_with(&split.path(parts[0]), &settings(PAIR))
-        .unwrap()
-        .would_ingest;
+    let said = inspect_with(&split.path(parts[0]), &settings(PAIR)).unwrap().would_ingest;
     assert!(said.contains("1 drive of 2400 rows"), "{said}");
     // Without the key each file is a log of its own.
     let apart = PAIR.replace("parts = \"_{n}\"\n", "");
-    assert_eq!(
-        log_files(split.0.path(), settings(&apart).mapping.as_ref())
-            .unwrap()
-            .len(),
-        4
-    );
+    assert_eq!(log_files(split.0.path(), settings(&apart).mapping.as_ref()).unwrap().len(), 4);
 }
 
 #[test]
 fn the_hole_between_parts_is_told_and_a_clock_that_begins_anew_makes_one_of_no_known_length() {
-    let hole = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_2.csv", rows(62.5, 120.0)),
-    ]);
+    let hole =
+        Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_2.csv", rows(62.5, 120.0))]);
     let drive = hole.read("P01_calm_2.csv").unwrap();
     let told = warning(&drive, "goes on in its part 2, 12.550 s later");
     assert_eq!(told.kind, WarningKind::Noted);
@@ -133,86 +124,48 @@ fn the_hole_between_parts_is_told_and_a_clock_that_begins_anew_makes_one_of_no_k
     let segments = drive.recording.segment();
     assert_eq!((segments[999], segments[1000]), (0, 1));
 
-    let anew = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_2.csv", rows(0.0, 60.0)),
-    ]);
+    let anew =
+        Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_2.csv", rows(0.0, 60.0))]);
     let drive = anew.read("P01_calm_1.csv").unwrap();
-    let told = warning(
-        &drive,
-        "whose times begin anew: how long the hole between them was is not known",
-    );
+    let told =
+        warning(&drive, "whose times begin anew: how long the hole between them was is not known");
     assert_eq!(told.kind, WarningKind::ClockRestart);
     assert_eq!(drive.recording.rows(), 1000 + 1200);
     let (time_s, segments) = (drive.recording.time_s(), drive.recording.segment());
     assert_eq!((segments[999], segments[1000]), (0, 1));
-    assert!(
-        (time_s[1000] - time_s[999] - 1.0).abs() < 1e-9,
-        "{}",
-        time_s[1000]
-    );
+    assert!((time_s[1000] - time_s[999] - 1.0).abs() < 1e-9, "{}", time_s[1000]);
     let speeds = &drive.recording.ego().speed_mps;
     assert!((speeds[1000] - 20.0).abs() < 1e-9 && (speeds[999] - 24.995).abs() < 1e-9);
 }
 
 #[test]
 fn parts_that_overlap_that_are_one_part_twice_or_that_differ_in_columns_are_refused_by_name() {
-    let over = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_2.csv", rows(40.0, 90.0)),
-    ]);
+    let over =
+        Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_2.csv", rows(40.0, 90.0))]);
     let error = over.read("P01_calm_1.csv").unwrap_err().to_string();
     assert!(
         error.contains("P01_calm_2.csv")
             && error.contains("begins at 40.000 s, but P01_calm_1.csv above it ends at 49.950 s"),
         "{error}"
     );
-    let twice = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_01.csv", rows(50.0, 90.0)),
-    ]);
+    let twice =
+        Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_01.csv", rows(50.0, 90.0))]);
     let error = twice.read("P01_calm_1.csv").unwrap_err().to_string();
-    assert!(
-        error.contains("the same part of a recording as P01_calm_01.csv"),
-        "{error}"
-    );
+    assert!(error.contains("the same part of a recording as P01_calm_01.csv"), "{error}");
     let other = rows(50.0, 90.0).replace("t,v,gap,w", "t,v,distance,w");
-    let columns = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_2.csv", other),
-    ]);
+    let columns = Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_2.csv", other)]);
     let error = columns.read("P01_calm_1.csv").unwrap_err().to_string();
-    assert!(
-        error.contains("no column `gap` in ") && error.contains("P01_calm_2.csv"),
-        "{error}"
-    );
+    assert!(error.contains("no column `gap` in ") && error.contains("P01_calm_2.csv"), "{error}");
     let word = rows(50.0, 90.0).replace("t,v,gap,w\n", "t,v,gap,w\n50,fast,40,25\n");
-    let words = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_2.csv", word),
-    ]);
+    let words = Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_2.csv", word)]);
     let error = words.read("P01_calm_1.csv").unwrap_err().to_string();
-    assert!(
-        error.contains("P01_calm_2.csv row 1 column `v` holds `fast`"),
-        "{error}"
-    );
+    assert!(error.contains("P01_calm_2.csv row 1 column `v` holds `fast`"), "{error}");
     // With decimal commas as well, whichever part it is.
     let commas = |text: String| text.replace(',', ";").replace('.', ",");
-    let toml = PAIR.replace(
-        "layout = \"pair\"\n",
-        "layout = \"pair\"\ndecimal_comma = true\n",
-    );
+    let toml = PAIR.replace("layout = \"pair\"\n", "layout = \"pair\"\ndecimal_comma = true\n");
     for (first, second, said) in [
-        (
-            "20,0",
-            "fast",
-            "P01_calm_2.csv row 1 column `v` holds `fast`",
-        ),
-        (
-            "fast",
-            "20,0",
-            "P01_calm_1.csv row 1 column `v` holds `fast`",
-        ),
+        ("20,0", "fast", "P01_calm_2.csv row 1 column `v` holds `fast`"),
+        ("fast", "20,0", "P01_calm_1.csv row 1 column `v` holds `fast`"),
     ] {
         let with = |cell: &str, from: f64| {
             commas(rows(from, from + 50.0)).replacen(
@@ -225,9 +178,8 @@ fn parts_that_overlap_that_are_one_part_twice_or_that_differ_in_columns_are_refu
             ("P01_calm_1.csv", with(first, 0.0)),
             ("P01_calm_2.csv", with(second, 60.0)),
         ]);
-        let error = read_log(&words.path("P01_calm_1.csv"), &settings(&toml))
-            .unwrap_err()
-            .to_string();
+        let error =
+            read_log(&words.path("P01_calm_1.csv"), &settings(&toml)).unwrap_err().to_string();
         assert!(error.contains(said), "{error}");
     }
     // The same columns in another order are the same.
@@ -236,40 +188,19 @@ fn parts_that_overlap_that_are_one_part_twice_or_that_differ_in_columns_are_refu
         let cells: Vec<&str> = row.split(',').rev().collect();
         turned += &(cells.join(",") + "\n");
     }
-    let turned = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_2.csv", turned),
-    ]);
-    assert_eq!(
-        turned.read("P01_calm_1.csv").unwrap().recording.rows(),
-        1800
-    );
+    let turned = Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_2.csv", turned)]);
+    assert_eq!(turned.read("P01_calm_1.csv").unwrap().recording.rows(), 1800);
 }
 
 #[test]
 fn a_part_that_is_not_there_is_a_hole_with_recover_alone() {
-    let split = Folder::new(&[
-        ("P01_calm_1.csv", rows(0.0, 50.0)),
-        ("P01_calm_3.csv", rows(90.0, 120.0)),
-    ]);
+    let split =
+        Folder::new(&[("P01_calm_1.csv", rows(0.0, 50.0)), ("P01_calm_3.csv", rows(90.0, 120.0))]);
     let error = split.read("P01_calm_1.csv").unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("lacks its part `P01_calm_2.csv`"),
-        "{error}"
-    );
-    let recover = IngestSettings {
-        recover: true,
-        ..settings(PAIR)
-    };
-    let drive = read_log(&split.path("P01_calm_1.csv"), &recover)
-        .unwrap()
-        .remove(0);
-    assert_eq!(
-        warning(&drive, "its part `P01_calm_2.csv` is not there").kind,
-        WarningKind::Damage
-    );
+    assert!(error.to_string().contains("lacks its part `P01_calm_2.csv`"), "{error}");
+    let recover = IngestSettings { recover: true, ..settings(PAIR) };
+    let drive = read_log(&split.path("P01_calm_1.csv"), &recover).unwrap().remove(0);
+    assert_eq!(warning(&drive, "its part `P01_calm_2.csv` is not there").kind, WarningKind::Damage);
     warning(&drive, "goes on in its part 3, 40.050 s later");
     assert_eq!(drive.recording.rows(), 1000 + 600);
 }
@@ -289,27 +220,15 @@ fn parts_of_long_tables_join_as_those_of_pairs_do() {
         }
         text
     };
-    let split = Folder::new(&[
-        ("P01_calm_1.csv", table(0, 600)),
-        ("P01_calm_2.csv", table(600, 1200)),
-    ]);
-    let drive = read_log(&split.path("P01_calm_1.csv"), &settings(&long))
-        .unwrap()
-        .remove(0);
-    assert_eq!(
-        (drive.recording.rows(), drive.recording.others().len()),
-        (1200, 1)
-    );
+    let split =
+        Folder::new(&[("P01_calm_1.csv", table(0, 600)), ("P01_calm_2.csv", table(600, 1200))]);
+    let drive = read_log(&split.path("P01_calm_1.csv"), &settings(&long)).unwrap().remove(0);
+    assert_eq!((drive.recording.rows(), drive.recording.others().len()), (1200, 1));
     assert_eq!(drive.recording.others()[0].x_m.len(), 1200);
     warning(&drive, "goes on in its part 2, 0.050 s later");
     // Begun anew a long table mixes no times either.
-    let anew = Folder::new(&[
-        ("P01_calm_1.csv", table(0, 600)),
-        ("P01_calm_2.csv", table(0, 600)),
-    ]);
-    let drive = read_log(&anew.path("P01_calm_1.csv"), &settings(&long))
-        .unwrap()
-        .remove(0);
+    let anew = Folder::new(&[("P01_calm_1.csv", table(0, 600)), ("P01_calm_2.csv", table(0, 600))]);
+    let drive = read_log(&anew.path("P01_calm_1.csv"), &settings(&long)).unwrap().remove(0);
     assert_eq!(drive.recording.rows(), 1200);
     assert_eq!(drive.recording.segment()[600], 1);
 }
@@ -329,10 +248,7 @@ fn recordings_that_lie_beside_others_join_by_their_names_too() {
     }
     std::fs::write(folder.path().join("P08_part1.mcap"), &bytes).unwrap();
     let logs = log_files(folder.path(), mapping.mapping.as_ref()).unwrap();
-    assert_eq!(
-        logs,
-        ["P07_part1.mcap", "P08_part1.mcap"].map(|name| folder.path().join(name))
-    );
+    assert_eq!(logs, ["P07_part1.mcap", "P08_part1.mcap"].map(|name| folder.path().join(name)));
     let joined = read_log(&logs[0], &mapping).unwrap().remove(0);
     let alone = read_log(&logs[1], &mapping).unwrap().remove(0);
     assert_eq!(joined.recording, alone.recording);

@@ -31,13 +31,7 @@ fn a_cell_that_is_no_number_is_named_and_an_empty_one_is_counted() {
     assert_eq!(found.recording.rows(), 4, "a dropout of 0.2 s is bridged");
     let counts: Vec<(WarningKind, usize)> =
         found.warnings.iter().map(|w| (w.kind, w.count)).collect();
-    assert_eq!(
-        counts,
-        [
-            (WarningKind::MissingValue, 1),
-            (WarningKind::MissingValue, 1)
-        ]
-    );
+    assert_eq!(counts, [(WarningKind::MissingValue, 1), (WarningKind::MissingValue, 1)]);
 }
 
 #[test]
@@ -65,10 +59,7 @@ fn a_separator_that_is_not_the_tables_is_the_matter_where_one_column_holds_all_n
 fn a_table_without_rows_or_with_one_is_refused() {
     assert!(matches!(of_text(HEADER), Err(IngestError::BadTable { .. })));
     let one = of_text(&format!("{HEADER}0,0,1,9,1,0,9\n"));
-    assert!(matches!(
-        one,
-        Err(IngestError::TooSparse { samples: 1, .. })
-    ));
+    assert!(matches!(one, Err(IngestError::TooSparse { samples: 1, .. })));
 }
 
 #[test]
@@ -118,27 +109,16 @@ fn a_gap_of_the_wrong_kind_is_counted_and_refused_where_it_is_most_of_them() {
         "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
     let mapping = format!("{PAIR}gap_kind = \"front_to_front\"\n{UNITS}{columns}");
     let table = |short: usize| {
-        minute("t,v,gap,w", |i, t| {
-            format!("{t},20,{},20", if i < short { 3 } else { 30 })
-        })
+        minute("t,v,gap,w", |i, t| format!("{t},20,{},20", if i < short { 3 } else { 30 }))
     };
     let found = mapped(&mapping, &table(60)).unwrap().remove(0);
-    let warning = found
-        .warnings
-        .iter()
-        .find(|w| w.what.contains("within ego"));
+    let warning = found.warnings.iter().find(|w| w.what.contains("within ego"));
     assert_eq!(warning.unwrap().count, 60);
     let error = mapped(&mapping, &table(300)).unwrap_err().to_string();
-    assert!(
-        error.contains("in 300 of 600 samples gaps to the leader are negative"),
-        "{error}"
-    );
+    assert!(error.contains("in 300 of 600 samples gaps to the leader are negative"), "{error}");
     let fast = minute("t,v,gap,w", |_, t| format!("{t},20,30,100"));
     let error = mapped(&mapping, &fast).unwrap_err().to_string();
-    assert!(
-        error.contains("speeds of others are above 90 m/s"),
-        "{error}"
-    );
+    assert!(error.contains("speeds of others are above 90 m/s"), "{error}");
 }
 
 #[test]
@@ -146,14 +126,8 @@ fn keys_that_do_nothing_are_refused_by_name() {
     let columns =
         "[table.columns]\ntime = \"t\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
     for (key, said) in [
-        (
-            "directions = \"both\"",
-            "unknown field `directions`, expected one of `forward`",
-        ),
-        (
-            "y_grows = \"left\"",
-            "unknown field `y_grows`, expected one of `forward`",
-        ),
+        ("directions = \"both\"", "unknown field `directions`, expected one of `forward`"),
+        ("y_grows = \"left\"", "unknown field `y_grows`, expected one of `forward`"),
         (
             "new_vehicle_after_s = 2.0",
             "unknown field `new_vehicle_after_s`, expected one of `forward`",
@@ -177,23 +151,11 @@ fn a_leader_numbered_0_is_a_leader_where_vehicles_are_counted_from_0() {
     let mapping = format!("[table]\nlayout = \"long\"\npoint = \"centre\"\n{UNITS}{columns}");
     let leads = |first: &str| {
         let row = |_: usize, t: f64| {
-            format!(
-                "{t},{first},{},20,-1\n{t},car,{},20,{first}",
-                30.0 + 20.0 * t,
-                20.0 * t
-            )
+            format!("{t},{first},{},20,-1\n{t},car,{},20,{first}", 30.0 + 20.0 * t, 20.0 * t)
         };
         let found = mapped(&mapping, &minute("t,id,x,v,lead", row)).unwrap();
-        let follower = found
-            .iter()
-            .find(|d| d.recording.ego().x_m[0] == 0.0)
-            .unwrap();
-        follower
-            .recording
-            .others()
-            .iter()
-            .map(|o| o.id.0)
-            .collect::<Vec<u32>>()
+        let follower = found.iter().find(|d| d.recording.ego().x_m[0] == 0.0).unwrap();
+        follower.recording.others().iter().map(|o| o.id.0).collect::<Vec<u32>>()
     };
     assert_eq!(leads("0"), [0]);
     assert_eq!(leads("7"), [7]);
@@ -206,20 +168,10 @@ fn a_table_that_says_nothing_of_sides_has_no_measures_of_passing() {
     let mapping = format!("{PAIR}gap_kind = \"signed\"\n{UNITS}{columns}");
     let passing = |slower: f64| {
         let row = |_: usize, t: f64| {
-            format!(
-                "{t},{},20,{},{}",
-                20.0 * t,
-                60.0 - slower * t,
-                20.0 - slower
-            )
+            format!("{t},{},20,{},{}", 20.0 * t, 60.0 - slower * t, 20.0 - slower)
         };
-        let found = mapped(&mapping, &minute("t,x,v,gap,w", row))
-            .unwrap()
-            .remove(0);
-        let said = found
-            .warnings
-            .iter()
-            .any(|w| w.what.contains("has no measures"));
+        let found = mapped(&mapping, &minute("t,x,v,gap,w", row)).unwrap().remove(0);
+        let said = found.warnings.iter().any(|w| w.what.contains("has no measures"));
         let drive = drive_of(&found);
         (drive.has_lateral(), said)
     };
@@ -240,17 +192,9 @@ fn a_row_that_lost_its_end_is_told_and_one_that_the_end_of_the_file_cuts_is_no_r
     // As a speed of 19.4 would be cut.
     let cut = read(&(whole.clone() + "60,1"));
     assert_eq!(cut.recording, found.recording);
-    assert!(
-        said(&cut, "the last row, 601, ends after 2 of 4 cells"),
-        "{:?}",
-        cut.warnings
-    );
+    assert!(said(&cut, "the last row, 601, ends after 2 of 4 cells"), "{:?}", cut.warnings);
     let lost = read(&whole.replace("\n25,19.4,30,20\n", "\n25,19.4,30\n"));
-    assert!(
-        said(&lost, "the first of them row 251 after 3 of 4 cells"),
-        "{:?}",
-        lost.warnings
-    );
+    assert!(said(&lost, "the first of them row 251 after 3 of 4 cells"), "{:?}", lost.warnings);
 }
 
 #[test]
@@ -260,11 +204,7 @@ fn a_leader_that_would_stand_at_the_bumper_of_a_car_that_drives_is_nobody() {
     let mapping = format!("{PAIR}gap_kind = \"bumper_to_bumper\"\n{UNITS}{columns}");
     let read = |ego: f64, leader: &str| {
         let text = minute("t,v,gap,w", |i, t| {
-            let leader = if (200..400).contains(&i) {
-                leader
-            } else {
-                "30,20"
-            };
+            let leader = if (200..400).contains(&i) { leader } else { "30,20" };
             format!("{t},{ego},{leader}")
         });
         let found = mapped(&mapping, &text).unwrap().remove(0);
@@ -321,24 +261,16 @@ fn the_next_step_is_named_where_numbers_have_commas_and_times_another_unit_or_st
 
 #[test]
 fn a_simulators_clock_axes_and_gap_are_read_as_they_come() {
-    let units = UNITS
-        .replace("time = \"s\"", "time = \"pattern\"")
-        .replace("\"m/s\"", "\"km/h\"");
+    let units = UNITS.replace("time = \"s\"", "time = \"pattern\"").replace("\"m/s\"", "\"km/h\"");
     let columns = "[table.columns]\ntime = \"t\"\nego_x = \"x\"\nego_speed = \"v\"\ngap = \"gap\"\nlead_speed = \"w\"\n";
     let mapping = format!(
         "{PAIR}separator = \"#\"\nforward = \"-x\"\ngap_kind = \"centre_to_centre\"\ntime_pattern = \"%Y%m%d %H:%M:%S:%f\"\n{units}{columns}"
     );
     let row = |i: usize, t: f64| {
         let second = i / 10;
-        format!(
-            "20220702 18:26:{second:02}:{:04}#{}#72#34.7#72",
-            i % 10 * 1000,
-            900.0 - 20.0 * t
-        )
+        format!("20220702 18:26:{second:02}:{:04}#{}#72#34.7#72", i % 10 * 1000, 900.0 - 20.0 * t)
     };
-    let found = mapped(&mapping, &minute("t#x#v#gap#w", row))
-        .unwrap()
-        .remove(0);
+    let found = mapped(&mapping, &minute("t#x#v#gap#w", row)).unwrap().remove(0);
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     assert!((first_gap_m(&found.recording) - 30.0).abs() < 1e-9);
     let ego = found.recording.ego();
@@ -357,21 +289,14 @@ fn sumo_tells_headings_by_the_compass() {
             let side = along * std::f64::consts::FRAC_1_SQRT_2;
             format!("{side:.6};{side:.6};45.00;DEFAULT_VEHTYPE;20.00")
         };
-        format!(
-            "{t:.2};lead;{}\n{t:.2};1;{}",
-            at(30.0 + 20.0 * t),
-            at(20.0 * t)
-        )
+        format!("{t:.2};lead;{}\n{t:.2};1;{}", at(30.0 + 20.0 * t), at(20.0 * t))
     };
     let header =
         "timestep_time;vehicle_id;vehicle_x;vehicle_y;vehicle_angle;vehicle_type;vehicle_speed";
     let table = minute(header, row);
     let found = read_named("town.csv", &table, shipped("sumo_fcd.toml")).unwrap();
     assert_eq!(found.len(), 2);
-    let follower = found
-        .iter()
-        .find(|d| d.meta.drive.as_str() == "town-1")
-        .unwrap();
+    let follower = found.iter().find(|d| d.meta.drive.as_str() == "town-1").unwrap();
     assert!((first_gap_m(&follower.recording) - 25.0).abs() < 0.01);
 }
 
@@ -422,11 +347,7 @@ fn a_car_of_sumo_that_changes_lanes_has_the_leader_of_its_lane_and_is_told() {
     // `c` follows `a`, is behind `d` in the left lane from 20 to 40 s, and goes back.
     let row = |_: usize, t: f64| {
         let (a, d, c) = (100.0 + 12.0 * t, 110.0 + 12.0 * t, 60.0 + 12.0 * t);
-        let y = if (20.0..40.0).contains(&t) {
-            -1.6
-        } else {
-            -4.8
-        };
+        let y = if (20.0..40.0).contains(&t) { -1.6 } else { -4.8 };
         format!(
             "{t:.2};a;{a:.2};-4.80;90.00;12.00\n{t:.2};d;{d:.2};-1.60;90.00;12.00\n{t:.2};c;{c:.2};{y:.2};90.00;12.00"
         )

@@ -27,11 +27,7 @@ fn said(found: &Ingested, what: &str) -> usize {
 fn drive() -> Vec<String> {
     let row = |i: u32| {
         let t = f64::from(i) / 10.0;
-        format!(
-            "{t},{},{},25",
-            25.0 + 5.0 * (0.1 * t).sin(),
-            30.0 + 0.02 * t
-        )
+        format!("{t},{},{},25", 25.0 + 5.0 * (0.1 * t).sin(), 30.0 + 0.02 * t)
     };
     (0..1200).map(row).collect()
 }
@@ -93,10 +89,8 @@ fn two_leaders(row: impl Fn(bool) -> String) -> Vec<String> {
 fn a_leaders_speed_is_that_of_its_own_positions() {
     let named = two_leaders(|second| format!(",{}", if second { "b" } else { "a" }));
     let unnamed = two_leaders(|_| String::new());
-    for (columns, rows) in [
-        ("time ego_speed gap lead_id", named),
-        ("time ego_speed gap", unnamed),
-    ] {
+    for (columns, rows) in [("time ego_speed gap lead_id", named), ("time ego_speed gap", unnamed)]
+    {
         let found = of_pair(columns, &rows).unwrap();
         let tracks = found.recording.others();
         assert_eq!(tracks.len(), 2, "{columns}");
@@ -110,26 +104,14 @@ fn a_leaders_speed_is_that_of_its_own_positions() {
 fn each_leader_is_as_long_as_it_is() {
     let columns = "time ego_speed gap lead_speed lead_length lead_id";
     let tail = |second| {
-        if second {
-            ",20,16.5,truck"
-        } else {
-            ",20,4.5,car"
-        }
+        if second { ",20,16.5,truck" } else { ",20,4.5,car" }
     };
     let named = two_leaders(|second| tail(second).to_owned());
     let cut = |r: &String| r.rsplit_once(',').unwrap().0.to_owned();
     let unnamed: Vec<String> = named.iter().map(cut).collect();
-    for (columns, rows) in [
-        (columns, &named),
-        (columns.rsplit_once(' ').unwrap().0, &unnamed),
-    ] {
+    for (columns, rows) in [(columns, &named), (columns.rsplit_once(' ').unwrap().0, &unnamed)] {
         let found = of_pair(columns, rows).unwrap();
-        let lengths: Vec<f64> = found
-            .recording
-            .others()
-            .iter()
-            .map(|t| t.length_m)
-            .collect();
+        let lengths: Vec<f64> = found.recording.others().iter().map(|t| t.length_m).collect();
         assert_eq!(lengths, [4.5, 16.5], "{columns}");
         let gap = |row: usize| {
             let scene = found.recording.scene(row).unwrap();
@@ -154,12 +136,7 @@ fn speeds_that_no_car_has_are_holes_named_by_their_rows() {
     let clean = of_pair(columns, &rows(&[])).unwrap();
     let found = of_pair(columns, &rows(&[100, 101, 400])).unwrap();
     let (a, b) = (clean.recording.ego(), found.recording.ego());
-    for (a, b) in a
-        .x_m
-        .iter()
-        .zip(&b.x_m)
-        .chain(a.speed_mps.iter().zip(&b.speed_mps))
-    {
+    for (a, b) in a.x_m.iter().zip(&b.x_m).chain(a.speed_mps.iter().zip(&b.speed_mps)) {
         assert!((a - b).abs() < 1e-6, "{b} for {a}");
     }
     assert_eq!(said(&found, "speeds of ego are above 90 m/s"), 3);
@@ -204,10 +181,7 @@ fn vehicles_that_are_stamped_one_after_the_other_see_each_other_where_they_are_a
         let rows = (0..300).flat_map(|i| {
             (0..3).map(move |car| {
                 let t = f64::from(i) / 10.0 + apart_s * f64::from(car);
-                format!(
-                    "{t:.4},{car},{:.6},0,20\n",
-                    40.0 * f64::from(car) + 20.0 * t
-                )
+                format!("{t:.4},{car},{:.6},0,20\n", 40.0 * f64::from(car) + 20.0 * t)
             })
         });
         format!("t,id,x,y,v\n{}", rows.collect::<String>())
@@ -224,10 +198,7 @@ fn vehicles_that_are_stamped_one_after_the_other_see_each_other_where_they_are_a
                 x.push(scene.ego.x_m);
                 x.sort_by(f64::total_cmp);
                 for w in x.windows(2) {
-                    assert!(
-                        (w[1] - w[0] - 40.0).abs() < 1e-3,
-                        "{apart_s} s apart: {x:?}"
-                    );
+                    assert!((w[1] - w[0] - 40.0).abs() < 1e-3, "{apart_s} s apart: {x:?}");
                 }
             }
         }
@@ -236,10 +207,8 @@ fn vehicles_that_are_stamped_one_after_the_other_see_each_other_where_they_are_a
 
 #[test]
 fn where_all_others_of_a_table_are_silent_nothing_is_known_of_the_road() {
-    let mapping = format!("{LONG}ego = \"0\"\n{UNITS}{LONG_COLUMNS}").replace(
-        "y_grows = \"left\"\n[road]",
-        "y_grows = \"left\"\nego = \"0\"\n[road]",
-    );
+    let mapping = format!("{LONG}ego = \"0\"\n{UNITS}{LONG_COLUMNS}")
+        .replace("y_grows = \"left\"\n[road]", "y_grows = \"left\"\nego = \"0\"\n[road]");
     let mapping = mapping.replacen("frame = \"map\"\nego = \"0\"\n", "frame = \"map\"\n", 1);
     let table = |there: &dyn Fn(i32) -> bool| {
         let rows = (0..600).map(|i| {
@@ -250,9 +219,7 @@ fn where_all_others_of_a_table_are_silent_nothing_is_known_of_the_road() {
         });
         format!("t,id,x,y,v\n{}", rows.collect::<String>())
     };
-    let found = mapped(&mapping, &table(&|i| !(200..300).contains(&i)))
-        .unwrap()
-        .remove(0);
+    let found = mapped(&mapping, &table(&|i| !(200..300).contains(&i))).unwrap().remove(0);
     let recording = &found.recording;
     for row in 0..recording.rows() {
         assert_eq!(recording.scene(row).unwrap().vehicles.len(), 1, "row {row}");
@@ -274,11 +241,7 @@ fn a_point_in_a_table_of_decimal_commas_is_asked_about() {
     let mapping = pair(columns).replacen("[table]\n", "[table]\ndecimal_comma = true\n", 1);
     let table = |gap: &str| {
         let rows = (0..50).map(|i| format!("{},{};20;{gap};20\n", i / 10, i % 10));
-        format!(
-            "{}\n{}",
-            columns.replace(' ', ";"),
-            rows.collect::<String>()
-        )
+        format!("{}\n{}", columns.replace(' ', ";"), rows.collect::<String>())
     };
     assert!(mapped(&mapping, &table("31,25")).is_ok());
     for gap in ["1.198", "1.198,5", "31.25"] {
@@ -292,9 +255,7 @@ fn a_point_in_a_table_of_decimal_commas_is_asked_about() {
 fn a_time_that_is_none_is_named_as_the_time() {
     let mut rows = drive();
     rows[3] = "soon,20,30,20".to_owned();
-    let error = of_pair("time ego_speed gap lead_speed", &rows)
-        .unwrap_err()
-        .to_string();
+    let error = of_pair("time ego_speed gap lead_speed", &rows).unwrap_err().to_string();
     let named = error.contains("row 4") && error.contains("`soon`");
     assert!(named && error.contains("expected a time in s"), "{error}");
 }

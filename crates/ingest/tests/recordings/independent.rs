@@ -40,13 +40,8 @@ struct Plain {
 impl Plain {
     fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(path).unwrap();
-        let mut lines = text
-            .lines()
-            .map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
-        Self {
-            names: lines.next().unwrap(),
-            rows: lines.collect(),
-        }
+        let mut lines = text.lines().map(|l| l.split(',').map(str::to_owned).collect::<Vec<_>>());
+        Self { names: lines.next().unwrap(), rows: lines.collect() }
     }
 
     fn column(&self, name: &str) -> Vec<f64> {
@@ -71,11 +66,8 @@ fn pairs(folder: &Path, mapping: &str, unit: f64) {
         let found = read_log(&path, &settings).unwrap().remove(0);
         let drive = drive_of(&found);
         let rows = drive.rows();
-        let (t, v, lead) = (
-            plain.column("t"),
-            plain.column("v_follower"),
-            plain.column("v_leader"),
-        );
+        let (t, v, lead) =
+            (plain.column("t"), plain.column("v_follower"), plain.column("v_leader"));
         let (gap, x) = (plain.column("spacing"), plain.column("x_follower"));
         assert_eq!(drive.len(), t.len(), "{}", path.display());
         for row in 0..t.len() {
@@ -125,10 +117,7 @@ fn check_ngsim(path: &Path, settings: &IngestSettings) {
         let drive = drive_of(one);
         let rows = drive.rows();
         let name = drive.meta().drive.as_str();
-        let key = expected
-            .keys()
-            .find(|k| name.ends_with(k.as_str()))
-            .unwrap();
+        let key = expected.keys().find(|k| name.ends_with(k.as_str())).unwrap();
         let plain = &expected[key];
         let mut met = 0;
         for &(t, v, gap) in plain {
@@ -137,14 +126,8 @@ fn check_ngsim(path: &Path, settings: &IngestSettings) {
                 continue;
             };
             met += 1;
-            assert!(
-                (rows.ego_speed_mps[row] - v).abs() < 1e-9,
-                "{name} at {since}"
-            );
-            assert!(
-                (rows.lead_dx_m[row] - gap.max(0.0)).abs() < 1e-6,
-                "{name} at {since}: {gap}"
-            );
+            assert!((rows.ego_speed_mps[row] - v).abs() < 1e-9, "{name} at {since}");
+            assert!((rows.lead_dx_m[row] - gap.max(0.0)).abs() < 1e-6, "{name} at {since}: {gap}");
             assert!(rows.lead_present[row]);
         }
         // The last sample before a hole and the first behind it may stand alone.
@@ -153,10 +136,7 @@ fn check_ngsim(path: &Path, settings: &IngestSettings) {
 }
 
 fn every_row_of_the_long_ngsim_table_is_that_of_the_file(folder: &Path) {
-    check_ngsim(
-        &folder.join("vehicles_with_leader.csv"),
-        &settings("ngsim.toml"),
-    );
+    check_ngsim(&folder.join("vehicles_with_leader.csv"), &settings("ngsim.toml"));
 }
 
 /// The mapping that is proposed for a table, as it is.

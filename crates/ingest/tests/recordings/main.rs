@@ -1,9 +1,5 @@
 //! Real recordings, where they stand beside the checkout.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at the first surprise"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test stops at the first surprise")]
 
 mod independent;
 mod pairs;

@@ -15,12 +15,7 @@ pub(crate) fn tests() -> Vec<Trial> {
     let ngsim = of!["ngsim_us101_i80": every_table_of_ngsim_can_be_inspected];
     let comma = of!["comma2k19_segment": every_table_of_comma2k19_can_be_inspected];
     let feet = of!["ngsim_i80_pairs": ngsim_feet_become_metres];
-    openacc
-        .into_iter()
-        .chain(ngsim)
-        .chain(comma)
-        .chain(feet)
-        .collect()
+    openacc.into_iter().chain(ngsim).chain(comma).chain(feet).collect()
 }
 
 /// First gap between bumpers, in m.
@@ -36,10 +31,7 @@ fn openacc_has_four_drives_whose_gap_is_the_spacing(folder: &Path) {
     for path in &files {
         let found = read_log(path, &settings).unwrap().remove(0);
         assert!(found.warnings.is_empty(), "{:?}", found.warnings);
-        assert_eq!(
-            (found.recording.rows(), found.recording.others().len()),
-            (12_433, 1)
-        );
+        assert_eq!((found.recording.rows(), found.recording.others().len()), (12_433, 1));
         assert!((found.recording.rate_hz() - 10.0).abs() < 1e-12);
         let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
         assert!(drive.rows().lead_present.iter().all(|&p| p));
@@ -47,11 +39,7 @@ fn openacc_has_four_drives_whose_gap_is_the_spacing(folder: &Path) {
     let first = read_log(&files[0], &settings).unwrap().remove(0);
     assert_eq!(first.meta.drive.as_str(), "openacc-040719_platoon10-f2");
     assert!((first_gap_m(&first.recording) - 5.122_082_263_370_74).abs() < 1e-9);
-    assert!(
-        read_log(&folder.join("manifest.csv"), &settings)
-            .unwrap()
-            .is_empty()
-    );
+    assert!(read_log(&folder.join("manifest.csv"), &settings).unwrap().is_empty());
 }
 
 fn ngsim_feet_become_metres(folder: &Path) {

@@ -82,36 +82,18 @@ mod tests {
     #[test]
     fn a_vehicle_that_crosses_the_line_ten_metres_ahead_cuts_in_at_half_a_second() {
         let slower = another(1.8, 10.0, 15.0, |_| ());
-        assert_eq!(
-            (GAP.of(&slower), TIME_TO_COLLISION.of(&slower)),
-            (Some(0.5), Some(2.0))
-        );
+        assert_eq!((GAP.of(&slower), TIME_TO_COLLISION.of(&slower)), (Some(0.5), Some(2.0)));
         let faster = another(-1.8, 10.0, 25.0, |_| ());
-        assert_eq!(
-            (GAP.of(&faster), TIME_TO_COLLISION.of(&faster)),
-            (Some(0.5), None)
-        );
+        assert_eq!((GAP.of(&faster), TIME_TO_COLLISION.of(&faster)), (Some(0.5), None));
     }
 
     #[test]
     fn who_comes_up_in_the_middle_of_the_lane_or_is_driven_up_to_by_a_change_does_not_cut_in() {
         assert_eq!(GAP.of(&another(0.0, 10.0, 15.0, |_| ())), None);
-        assert_eq!(
-            GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.changing[45..55].fill(1))),
-            None
-        );
-        assert_eq!(
-            GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.lane[50..].fill(1))),
-            None
-        );
-        assert_eq!(
-            GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.segment[50..].fill(1))),
-            None
-        );
+        assert_eq!(GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.changing[45..55].fill(1))), None);
+        assert_eq!(GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.lane[50..].fill(1))), None);
+        assert_eq!(GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.segment[50..].fill(1))), None);
         // The same vehicle that moves within the lane was there before.
-        assert_eq!(
-            GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.lead_id.fill(Some(2)))),
-            None
-        );
+        assert_eq!(GAP.of(&another(1.8, 10.0, 15.0, |rows| rows.lead_id.fill(Some(2)))), None);
     }
 }

@@ -29,10 +29,7 @@ impl Exposure {
                 leads_s.push(since(row));
             }
         }
-        Self {
-            duration_s: drive.len().checked_sub(1).map_or(0.0, since),
-            leads_s,
-        }
+        Self { duration_s: drive.len().checked_sub(1).map_or(0.0, since), leads_s }
     }
 
     /// Lead vehicles met by a time.
@@ -93,10 +90,7 @@ pub fn comparable(drives: &[Exposure]) -> Vec<Comparable> {
         let next = drive.leads_s.get(leads).copied();
         let end_s = next.filter(|&next| next <= shortest).unwrap_or(shortest);
         if end_s < LEAST_SHARE * shortest {
-            Comparable::TooLittle {
-                left_s: end_s,
-                of_s: shortest,
-            }
+            Comparable::TooLittle { left_s: end_s, of_s: shortest }
         } else {
             Comparable::Until(end_s)
         }
@@ -110,10 +104,7 @@ mod tests {
     use crate::objective::testing::Scripted;
 
     fn drive(duration_s: f64, leads_s: &[f64]) -> Exposure {
-        Exposure {
-            duration_s,
-            leads_s: leads_s.to_vec(),
-        }
+        Exposure { duration_s, leads_s: leads_s.to_vec() }
     }
 
     #[test]

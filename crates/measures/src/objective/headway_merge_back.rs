@@ -72,9 +72,6 @@ mod tests {
 
     #[test]
     fn merging_back_with_nobody_behind_has_no_value() {
-        assert_eq!(
-            DISTANCE.of(&Scripted::new(40.0).pass(4.0, 20.0).drive()),
-            None
-        );
+        assert_eq!(DISTANCE.of(&Scripted::new(40.0).pass(4.0, 20.0).drive()), None);
     }
 }

@@ -43,9 +43,6 @@ mod tests {
 
     #[test]
     fn a_change_on_an_empty_road_has_no_headway() {
-        assert_eq!(
-            MEASURE.of(&Scripted::new(40.0).pass(5.0, 20.0).drive()),
-            None
-        );
+        assert_eq!(MEASURE.of(&Scripted::new(40.0).pass(5.0, 20.0).drive()), None);
     }
 }

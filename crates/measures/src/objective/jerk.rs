@@ -22,10 +22,7 @@ pub(super) const MEASURE: Measure = Measure {
         let mut sizes: Vec<f64> = jerk.into_iter().flatten().map(f64::abs).collect();
         sizes.sort_by(f64::total_cmp);
         let position = SHARE * sizes.len().checked_sub(1)? as f64;
-        let (low, high) = (
-            sizes[position.floor() as usize],
-            sizes[position.ceil() as usize],
-        );
+        let (low, high) = (sizes[position.floor() as usize], sizes[position.ceil() as usize]);
         Some(low + (position - position.floor()) * (high - low))
     },
 };
@@ -46,10 +43,7 @@ mod tests {
         let most = 2.0 * (std::f64::consts::TAU / 10.0).powi(2);
         let expected = most * (0.475 * std::f64::consts::PI).sin();
         let found = MEASURE.of(&drive).unwrap();
-        assert!(
-            (found / expected - 1.0).abs() < 0.02,
-            "{found}, not {expected}"
-        );
+        assert!((found / expected - 1.0).abs() < 0.02, "{found}, not {expected}");
     }
 
     #[test]

@@ -26,13 +26,7 @@ mod tests {
 
     #[test]
     fn a_pass_counts_two_and_a_change_cut_by_the_end_none() {
-        assert_eq!(
-            MEASURE.of(&Scripted::new(40.0).pass(5.0, 20.0).drive()),
-            Some(2.0)
-        );
-        assert_eq!(
-            MEASURE.of(&Scripted::new(22.6).pass(5.0, 20.0).drive()),
-            Some(1.0)
-        );
+        assert_eq!(MEASURE.of(&Scripted::new(40.0).pass(5.0, 20.0).drive()), Some(2.0));
+        assert_eq!(MEASURE.of(&Scripted::new(22.6).pass(5.0, 20.0).drive()), Some(1.0));
     }
 }

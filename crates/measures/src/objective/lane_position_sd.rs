@@ -64,10 +64,7 @@ fn value(drive: &Drive) -> Option<f64> {
     }
     let squares = stretches.iter().map(|stretch| {
         let mean = stretch.iter().sum::<f64>() / stretch.len() as f64;
-        stretch
-            .iter()
-            .map(|place| (place - mean).powi(2))
-            .sum::<f64>()
+        stretch.iter().map(|place| (place - mean).powi(2)).sum::<f64>()
     });
     let freedom = n - stretches.len();
     (freedom > 0).then(|| (squares.sum::<f64>() / freedom as f64).sqrt())
@@ -87,9 +84,8 @@ mod tests {
     ) -> Drive {
         by_rows(rate_hz, n, |rows| {
             let centre = Road::PAPER.lane_centre_m(0);
-            rows.ego_y_m = (0..n)
-                .map(|row| centre + if row % 2 == 0 { 0.5 } else { -0.5 })
-                .collect();
+            rows.ego_y_m =
+                (0..n).map(|row| centre + if row % 2 == 0 { 0.5 } else { -0.5 }).collect();
             change(rows);
         })
     }
@@ -97,10 +93,7 @@ mod tests {
     #[test]
     fn half_a_metre_to_both_sides_is_half_a_metre() {
         let sd = MEASURE.of(&wandering(10.0, 200, |_| ())).unwrap();
-        assert!(
-            (sd - 0.5 * (200.0_f64 / 199.0).sqrt()).abs() < 1e-12,
-            "{sd}"
-        );
+        assert!((sd - 0.5 * (200.0_f64 / 199.0).sqrt()).abs() < 1e-12, "{sd}");
         let still = by_rows(10.0, 200, |_| ());
         assert_eq!(MEASURE.of(&still), Some(0.0));
     }

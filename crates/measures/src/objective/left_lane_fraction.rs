@@ -26,9 +26,7 @@ mod tests {
 
     #[test]
     fn half_of_the_drive_to_the_left_is_one_half() {
-        let found = MEASURE
-            .of(&Scripted::new(40.0).pass(8.0, 28.0).drive())
-            .unwrap();
+        let found = MEASURE.of(&Scripted::new(40.0).pass(8.0, 28.0).drive()).unwrap();
         assert!((found - 0.5).abs() < 0.01, "{found}");
     }
 }

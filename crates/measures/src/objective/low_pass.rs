@@ -48,10 +48,7 @@ fn low_pass(values: &[f64], rate_hz: f64, border_hz: f64) -> Vec<f64> {
     let scale = 1.0 / (1.0 + SQRT_2 * k + k * k);
     let b0 = k * k * scale;
     let (b1, b2) = (2.0 * b0, b0);
-    let (a1, a2) = (
-        2.0 * (k * k - 1.0) * scale,
-        (1.0 - SQRT_2 * k + k * k) * scale,
-    );
+    let (a1, a2) = (2.0 * (k * k - 1.0) * scale, (1.0 - SQRT_2 * k + k * k) * scale);
     let mut later = (b2 - a2) * first;
     let mut next = (b1 - a1) * first + later;
     let step = |value: &f64| {
@@ -83,27 +80,16 @@ mod tests {
     #[test]
     fn what_is_slow_passes_and_what_trembles_does_not() {
         let wave = |hz: f64| -> Vec<f64> {
-            (0..400)
-                .map(|i| (2.0 * PI * hz * f64::from(i) / 20.0).sin())
-                .collect()
+            (0..400).map(|i| (2.0 * PI * hz * f64::from(i) / 20.0).sin()).collect()
         };
         let height = |hz: f64| {
             let out = low_pass(&wave(hz), 20.0, BORDER_HZ);
             // Of whole periods.
             (out[200..].iter().map(|v| v * v).sum::<f64>() / 100.0).sqrt()
         };
-        assert!(
-            height(0.2) > 0.99 && height(6.0) < 0.1,
-            "{} {}",
-            height(0.2),
-            height(6.0)
-        );
+        assert!(height(0.2) > 0.99 && height(6.0) < 0.1, "{} {}", height(0.2), height(6.0));
         // At the border half of the power is left.
-        assert!(
-            (height(2.0) - 0.5_f64.sqrt()).abs() < 0.01,
-            "{}",
-            height(2.0)
-        );
+        assert!((height(2.0) - 0.5_f64.sqrt()).abs() < 0.01, "{}", height(2.0));
         let level = low_pass(&[20.0; 50], 20.0, BORDER_HZ);
         assert!(level.iter().all(|v| (v - 20.0).abs() < 1e-12));
     }
@@ -118,10 +104,7 @@ mod tests {
         };
         let [acceleration, jerk] = acceleration_and_jerk(&hole(10.0)).unwrap();
         assert!(acceleration.iter().flatten().all(|a| a.abs() < 1e-9));
-        assert_eq!(
-            [acceleration[49], acceleration[50], jerk[48], jerk[51]],
-            [None; 4]
-        );
+        assert_eq!([acceleration[49], acceleration[50], jerk[48], jerk[51]], [None; 4]);
         assert!(acceleration[48].is_some() && jerk[47].is_some() && jerk[52].is_some());
         assert!(acceleration_and_jerk(&hole(9.9)).is_none());
     }

@@ -23,9 +23,7 @@ mod tests {
 
     #[test]
     fn half_the_time_at_20_and_half_at_30_is_25() {
-        let drive = Scripted::new(20.0)
-            .speed(|t| if t < 10.0 { 20.0 } else { 30.0 })
-            .drive();
+        let drive = Scripted::new(20.0).speed(|t| if t < 10.0 { 20.0 } else { 30.0 }).drive();
         assert!((MEASURE.of(&drive).unwrap() - 25.0).abs() < 1e-9);
     }
 }

@@ -201,13 +201,7 @@ mod tests {
         );
         // Beside ego's lane, or beside ego, is not ahead.
         let width = maveric_domain::Road::PAPER.lane_width_m;
-        assert_eq!(
-            MEASURE.of(&nearing(|r| r.lead_dy_m[40..].fill(-0.5 * width))),
-            Some(61.0)
-        );
-        assert_eq!(
-            MEASURE.of(&nearing(|r| r.lead_dx_m[40..].fill(0.0))),
-            Some(61.0)
-        );
+        assert_eq!(MEASURE.of(&nearing(|r| r.lead_dy_m[40..].fill(-0.5 * width))), Some(61.0));
+        assert_eq!(MEASURE.of(&nearing(|r| r.lead_dx_m[40..].fill(0.0))), Some(61.0));
     }
 }

@@ -18,13 +18,7 @@ pub(crate) struct Scripted {
 
 impl Scripted {
     pub(crate) fn new(seconds: f64) -> Self {
-        Self {
-            seconds,
-            speed: Box::new(|_| 30.0),
-            out_s: 1e9,
-            back_s: 1e9,
-            lead: None,
-        }
+        Self { seconds, speed: Box::new(|_| 30.0), out_s: 1e9, back_s: 1e9, lead: None }
     }
 
     pub(crate) fn speed(mut self, speed: impl Fn(f64) -> f64 + 'static) -> Self {
@@ -61,27 +55,16 @@ impl Scripted {
                 here
             })
             .collect();
-        let y_m = time_s
-            .iter()
-            .map(|&t| step(t, self.out_s) - step(t, self.back_s))
-            .collect();
+        let y_m = time_s.iter().map(|&t| step(t, self.out_s) - step(t, self.back_s)).collect();
         let others = self.lead.map(|(gap_m, lead_mps)| ObjectTrack {
             id: VehicleId(1),
             length_m: LENGTH_M,
             first_row: 0,
-            x_m: time_s
-                .iter()
-                .map(|t| gap_m + LENGTH_M + lead_mps * t)
-                .collect(),
+            x_m: time_s.iter().map(|t| gap_m + LENGTH_M + lead_mps * t).collect(),
             y_m: vec![0.0; n],
             speed_mps: vec![lead_mps; n],
         });
-        let ego = EgoTrack {
-            length_m: LENGTH_M,
-            x_m,
-            y_m,
-            speed_mps,
-        };
+        let ego = EgoTrack { length_m: LENGTH_M, x_m, y_m, speed_mps };
         let recording = Recording::new(
             Road::PAPER,
             RATE_HZ,

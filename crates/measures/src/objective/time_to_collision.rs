@@ -74,11 +74,7 @@ pub(super) fn time_to_collision_s(drive: &Drive, row: usize) -> Option<f64> {
 pub(crate) fn inverse_time_to_collision(drive: &Drive, row: usize) -> f64 {
     let rows = drive.rows();
     let closing_mps = (rows.ego_speed_mps[row] - rows.lead_speed_mps[row]).max(0.0);
-    if drive.lead_ahead(row) {
-        closing_mps / rows.lead_dx_m[row]
-    } else {
-        0.0
-    }
+    if drive.lead_ahead(row) { closing_mps / rows.lead_dx_m[row] } else { 0.0 }
 }
 
 #[cfg(test)]

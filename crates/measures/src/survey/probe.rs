@@ -79,16 +79,11 @@ mod tests {
         ];
         let scales = [Scale::from_toml(MISC).unwrap()];
         let scores = score_probes(&scales, &answers).unwrap();
-        let rows: Vec<_> = scores
-            .iter()
-            .map(|s| (s.moment.to_string(), s.value, s.answered, s.items))
-            .collect();
+        let rows: Vec<_> =
+            scores.iter().map(|s| (s.moment.to_string(), s.value, s.answered, s.items)).collect();
         assert_eq!(
             rows,
-            [
-                ("probe:calm".to_owned(), Some(3.5), 2, 3),
-                ("probe:sporty".to_owned(), None, 0, 1)
-            ]
+            [("probe:calm".to_owned(), Some(3.5), 2, 3), ("probe:sporty".to_owned(), None, 0, 1)]
         );
     }
 

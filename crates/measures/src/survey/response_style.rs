@@ -69,9 +69,7 @@ pub fn response_styles(scales: &[Scale], answers: &[Answer]) -> Vec<ScoreWarning
             let (first, answer, run) = longest_run(given)?;
             // The lowest answer throughout is the floor of the scale, counted as that, and may be the truth.
             let at_an_end = given.len() as u32 == run
-                && scale
-                    .item(first)
-                    .is_some_and(|i| answer == i.min || answer == i.max);
+                && scale.item(first).is_some_and(|i| answer == i.min || answer == i.max);
             let long = run >= SHORTEST_RUN && 2 * run >= scale.count() && !at_an_end;
             long.then_some(ScoreWarning::LongString {
                 participant,
@@ -103,14 +101,9 @@ pub fn too_fast(times: &[SheetTime]) -> Vec<ScoreWarning> {
 /// The answer to all items, where that contradicts itself.
 fn one_answer(scale: &Scale, given: &BTreeMap<u32, i32>) -> Option<i32> {
     let (first, answer) = given.iter().next().map(|(item, answer)| (*item, *answer))?;
-    let middle = scale
-        .item(first)
-        .is_some_and(|i| 2 * answer == i.min + i.max);
+    let middle = scale.item(first).is_some_and(|i| 2 * answer == i.min + i.max);
     let reversed = |item: &u32| {
-        scale
-            .subscales
-            .iter()
-            .any(|s| s.items.contains(item) && scale.is_reversed(s, *item))
+        scale.subscales.iter().any(|s| s.items.contains(item) && scale.is_reversed(s, *item))
     };
     let turned = given.keys().filter(|i| reversed(i)).count();
     let contradicts = turned > 0 && turned < given.len() && given.len() >= FEWEST_ITEMS && !middle;
@@ -140,13 +133,9 @@ mod tests {
     use super::*;
 
     fn scales() -> Vec<Scale> {
-        [
-            maveric_data::SCALES_ADB,
-            maveric_data::SCALES_MINI_IPIP,
-            maveric_data::SCALES_SIMILARITY,
-        ]
-        .map(|text| Scale::from_toml(text).unwrap())
-        .into()
+        [maveric_data::SCALES_ADB, maveric_data::SCALES_MINI_IPIP, maveric_data::SCALES_SIMILARITY]
+            .map(|text| Scale::from_toml(text).unwrap())
+            .into()
     }
 
     fn sheet(scale: &str, answers: &[i32]) -> Vec<Answer> {
@@ -179,10 +168,7 @@ mod tests {
         );
         // Twenty times the middle contradicts nothing, but is a long string.
         assert!(said("mini_ipip", &[3; 20])[0].contains("to all 20 items"));
-        assert!(
-            said("similarity", &[6; 4]).is_empty(),
-            "four items say too little"
-        );
+        assert!(said("similarity", &[6; 4]).is_empty(), "four items say too little");
     }
 
     #[test]
@@ -200,10 +186,7 @@ mod tests {
         assert!(said_of("adb", &[1; 11]).is_empty(), "the floor");
         let mut gap = sheet("adb", &[2; 11]);
         gap[5].answer = None;
-        assert!(
-            response_styles(&scales(), &gap).is_empty(),
-            "an item left out ends the string"
-        );
+        assert!(response_styles(&scales(), &gap).is_empty(), "an item left out ends the string");
     }
 
     #[test]

@@ -50,18 +50,12 @@ pub fn score(
     let mut sheets = Sheets::new();
     for answer in answers {
         let position = checked(scales, &index, answer)?;
-        if known
-            .as_ref()
-            .is_some_and(|k| !k.contains(&answer.participant))
-        {
+        if known.as_ref().is_some_and(|k| !k.contains(&answer.participant)) {
             *strangers.entry(&answer.participant).or_default() += 1;
             continue;
         }
         let key = (answer.participant.clone(), answer.moment, position);
-        let before = sheets
-            .entry(key)
-            .or_default()
-            .insert(answer.item, answer.answer);
+        let before = sheets.entry(key).or_default().insert(answer.item, answer.answer);
         if before.is_some() {
             return Err(MeasureError::DoubleAnswer {
                 participant: answer.participant.clone(),
@@ -74,10 +68,9 @@ pub fn score(
 
     let mut scored = Scored::default();
     for (participant, answers) in strangers {
-        scored.warnings.push(ScoreWarning::UnknownParticipant {
-            participant: participant.clone(),
-            answers,
-        });
+        scored
+            .warnings
+            .push(ScoreWarning::UnknownParticipant { participant: participant.clone(), answers });
     }
     if let Some(known) = known {
         scored.warnings.extend(unanswered(scales, &sheets, &known));
@@ -107,9 +100,7 @@ pub(super) fn index(scales: &[Scale]) -> Result<BTreeMap<&str, usize>, MeasureEr
     let mut index = BTreeMap::new();
     for (position, scale) in scales.iter().enumerate() {
         if index.insert(scale.id.as_str(), position).is_some() {
-            return Err(MeasureError::ScaleTwice {
-                scale: scale.id.clone(),
-            });
+            return Err(MeasureError::ScaleTwice { scale: scale.id.clone() });
         }
     }
     Ok(index)
@@ -159,11 +150,7 @@ fn keyed(scale: &Scale, subscale: &Subscale, items: &[u32], sheet: &Sheet) -> Ve
         let answer = f64::from(sheet.get(number).copied().flatten()?);
         let item = scale.item(*number)?;
         let reversed = f64::from(item.min) + f64::from(item.max) - answer;
-        Some(if scale.is_reversed(subscale, *number) {
-            reversed
-        } else {
-            answer
-        })
+        Some(if scale.is_reversed(subscale, *number) { reversed } else { answer })
     };
     items.iter().map(value).collect()
 }
@@ -195,9 +182,7 @@ pub(super) fn one(
     let items = scale.items_of(subscale);
     let answered = keyed(scale, subscale, &items, sheet);
     let parts = scale.parts(subscale).into_iter();
-    let sum = parts
-        .map(|part| raw(scale, part, sheet))
-        .sum::<Option<f64>>();
+    let sum = parts.map(|part| raw(scale, part, sheet)).sum::<Option<f64>>();
     Score {
         participant: participant.clone(),
         moment,
@@ -224,9 +209,7 @@ fn unanswered(
     let mut warnings = Vec::new();
     for &participant in known {
         let Some(theirs) = answered.get(participant) else {
-            warnings.push(ScoreWarning::NoAnswers {
-                participant: participant.clone(),
-            });
+            warnings.push(ScoreWarning::NoAnswers { participant: participant.clone() });
             continue;
         };
         let after = theirs.iter().filter(|(m, _)| matches!(m, Moment::After(_)));
@@ -248,10 +231,8 @@ fn unanswered(
 fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
     let mut matrices = Vec::new();
     for (position, scale) in scales.iter().enumerate() {
-        let mine: Vec<(&(ParticipantId, Moment, usize), &Sheet)> = sheets
-            .iter()
-            .filter(|((_, _, s), _)| *s == position)
-            .collect();
+        let mine: Vec<(&(ParticipantId, Moment, usize), &Sheet)> =
+            sheets.iter().filter(|((_, _, s), _)| *s == position).collect();
         if mine.is_empty() {
             continue;
         }
@@ -262,9 +243,7 @@ fn matrices(scales: &[Scale], sheets: &Sheets) -> Vec<ItemMatrix> {
                 scale: scale.id.clone(),
                 subscale: subscale.id.clone(),
                 respondents: mine.iter().map(|((p, m, _), _)| (p.clone(), *m)).collect(),
-                answers: answers
-                    .map(|(_, sheet)| keyed(scale, subscale, &items, sheet))
-                    .collect(),
+                answers: answers.map(|(_, sheet)| keyed(scale, subscale, &items, sheet)).collect(),
                 items,
             });
         }
@@ -326,22 +305,14 @@ mod tests {
         assert_eq!((three.scores[0].value, three.scores[0].answered), (None, 3));
         assert!(matches!(
             three.warnings[..],
-            [ScoreWarning::TooFewAnswers {
-                answered: 3,
-                items: 5,
-                ..
-            }]
+            [ScoreWarning::TooFewAnswers { answered: 3, items: 5, .. }]
         ));
     }
 
     #[test]
     fn in_a_sum_the_mean_stands_in_for_a_missing_item() {
-        let answers = sheet(
-            "P01",
-            Moment::Pre,
-            "calm",
-            &[Some(4), None, Some(4), Some(4), Some(4)],
-        );
+        let answers =
+            sheet("P01", Moment::Pre, "calm", &[Some(4), None, Some(4), Some(4), Some(4)]);
         let scored = score(&[scale("calm", Scoring::Sum)], &answers, None).unwrap();
         assert_eq!(scored.scores[0].value, Some(20.0));
     }
@@ -363,25 +334,17 @@ mod tests {
     #[test]
     fn impossible_answers_are_refused_by_participant_scale_and_item() {
         let refused = |answers: &[Answer]| {
-            score(&[scale("calm", Scoring::Mean)], answers, None)
-                .unwrap_err()
-                .to_string()
+            score(&[scale("calm", Scoring::Mean)], answers, None).unwrap_err().to_string()
         };
         let high = refused(&sheet("P01", Moment::Pre, "calm", &[Some(3), Some(8)]));
-        assert_eq!(
-            high,
-            "participant P01 (pre), scale `calm`, item 2: answer 8 is not in 1 to 7"
-        );
+        assert_eq!(high, "participant P01 (pre), scale `calm`, item 2: answer 8 is not in 1 to 7");
         let mut twice = sheet("P01", Moment::Pre, "calm", &[Some(3)]);
         twice.push(twice[0].clone());
         assert!(refused(&twice).contains("item 1 is answered twice"));
         let six = refused(&sheet("P01", Moment::Pre, "calm", &[Some(3); 6]));
         assert!(six.contains("item 6 is not among its 5 items"), "{six}");
         let stranger = refused(&sheet("P01", Moment::Pre, "clam", &[Some(3)]));
-        assert!(
-            stranger.contains("`clam`") && stranger.contains("calm"),
-            "{stranger}"
-        );
+        assert!(stranger.contains("`clam`") && stranger.contains("calm"), "{stranger}");
     }
 
     #[test]

@@ -10,21 +10,13 @@ fn shipped(id: &str) -> Scale {
 
 #[test]
 fn every_shipped_scale_is_valid_and_scores_every_item_that_can_be() {
-    let scales = maveric_data::FILES
-        .iter()
-        .filter(|(path, _)| path.contains("scales/"));
+    let scales = maveric_data::FILES.iter().filter(|(path, _)| path.contains("scales/"));
     let mut count = 0;
     for (path, text) in scales {
         let scale = Scale::from_toml(text).unwrap_or_else(|e| panic!("{path}: {e}"));
         assert!(path.ends_with(&format!("/{}.toml", scale.id)), "{path}");
-        let used: BTreeSet<u32> = scale
-            .subscales
-            .iter()
-            .flat_map(|s| s.items.clone())
-            .collect();
-        let rated = (1..)
-            .zip(&scale.items)
-            .filter(|(_, i)| i.kind.rates() && i.expected.is_none());
+        let used: BTreeSet<u32> = scale.subscales.iter().flat_map(|s| s.items.clone()).collect();
+        let rated = (1..).zip(&scale.items).filter(|(_, i)| i.kind.rates() && i.expected.is_none());
         assert!(rated.map(|(n, _)| n).all(|n| used.contains(&n)), "{path}");
         count += 1;
     }
@@ -67,39 +59,25 @@ fn assert_scores(id: &str, answers: &[i32], expected: &[(&str, f64)]) {
     let scored = scores(id, answers);
     for (subscale, value) in expected {
         let (_, score) = scored.iter().find(|(name, _)| name == subscale).unwrap();
-        assert!(
-            (score - value).abs() < 1e-9,
-            "{id}.{subscale}: {score}, expected {value}"
-        );
+        assert!((score - value).abs() < 1e-9, "{id}.{subscale}: {score}, expected {value}");
     }
 }
 
 #[test]
 fn sickness_is_weighted_as_published_and_ends_at_235_62() {
-    let three = [
-        ("nausea", 200.34),
-        ("oculomotor", 159.18),
-        ("disorientation", 292.32),
-        ("total", 235.62),
-    ];
+    let three =
+        [("nausea", 200.34), ("oculomotor", 159.18), ("disorientation", 292.32), ("total", 235.62)];
     assert_scores("ssq", &[3; 16], &three);
     assert_scores("ssq", &[0; 16], &[("total", 0.0), ("nausea", 0.0)]);
-    let ranges: Vec<(f64, f64)> = shipped("ssq")
-        .subscales
-        .iter()
-        .map(|s| shipped("ssq").score_range(s))
-        .collect();
+    let ranges: Vec<(f64, f64)> =
+        shipped("ssq").subscales.iter().map(|s| shipped("ssq").score_range(s)).collect();
     assert!((ranges[3].1 - 235.62).abs() < 1e-9 && ranges[3].0.abs() < 1e-9);
     // Nausea (item 8) slight, difficulty focusing (5) moderate, general discomfort (1) slight: by hand
     // N = 9.54 (1 + 1), O = 7.58 (1 + 2), D = 13.92 (1 + 2), total = 3.74 (2 + 3 + 3).
     let mut some = [0; 16];
     (some[0], some[4], some[7]) = (1, 2, 1);
-    let by_hand = [
-        ("nausea", 19.08),
-        ("oculomotor", 22.74),
-        ("disorientation", 41.76),
-        ("total", 29.92),
-    ];
+    let by_hand =
+        [("nausea", 19.08), ("oculomotor", 22.74), ("disorientation", 41.76), ("total", 29.92)];
     assert_scores("ssq", &some, &by_hand);
 }
 
@@ -107,32 +85,17 @@ fn sickness_is_weighted_as_published_and_ends_at_235_62() {
 fn acceptance_counts_the_left_box_up_but_for_items_3_6_and_8() {
     // Always the better word: left, and right in items 3, 6 and 8.
     let best = [-2, -2, 2, -2, -2, 2, -2, 2, -2];
-    assert_scores(
-        "acceptance",
-        &best,
-        &[("usefulness", 2.0), ("satisfying", 2.0)],
-    );
-    assert_scores(
-        "acceptance",
-        &best.map(|a| -a),
-        &[("usefulness", -2.0), ("satisfying", -2.0)],
-    );
+    assert_scores("acceptance", &best, &[("usefulness", 2.0), ("satisfying", 2.0)]);
+    assert_scores("acceptance", &best.map(|a| -a), &[("usefulness", -2.0), ("satisfying", -2.0)]);
     // Always the left box: usefulness (2 - 2 + 2 + 2 + 2) / 5, satisfying (2 + 2 - 2 - 2) / 4.
-    assert_scores(
-        "acceptance",
-        &[-2; 9],
-        &[("usefulness", 1.2), ("satisfying", 0.0)],
-    );
+    assert_scores("acceptance", &[-2; 9], &[("usefulness", 1.2), ("satisfying", 0.0)]);
     let pairs: Vec<String> = shipped("acceptance")
         .wording
         .items
         .iter()
         .map(|i| i.pair.clone().unwrap()[0].clone())
         .collect();
-    assert_eq!(
-        [&pairs[2], &pairs[5], &pairs[7]],
-        ["bad", "irritating", "undesirable"]
-    );
+    assert_eq!([&pairs[2], &pairs[5], &pairs[7]], ["bad", "irritating", "undesirable"]);
 }
 
 #[test]
@@ -156,34 +119,19 @@ fn raw_workload_is_the_mean_of_six_ratings_by_five_points() {
         &[("workload", 42.5), ("mental", 70.0), ("frustration", 35.0)],
     );
     let scale = shipped("nasa_tlx");
-    assert!(
-        scale
-            .items
-            .iter()
-            .all(|i| i.takes(95) && !i.takes(96) && i.points() == 21)
-    );
+    assert!(scale.items.iter().all(|i| i.takes(95) && !i.takes(96) && i.points() == 21));
     assert_eq!(scale.wording.items[3].anchors, ["Perfect", "Failure"]);
     assert_eq!(scale.wording.items[4].anchors, ["Very low", "Very high"]);
 }
 
 #[test]
 fn what_could_not_be_confirmed_has_no_wording_and_the_rest_has_all_of_it() {
-    for id in [
-        "nasa_tlx",
-        "acceptance",
-        "sts_ad",
-        "ssq",
-        "demographics",
-        "attention",
-        "purpose",
-        "which",
-    ] {
+    for id in
+        ["nasa_tlx", "acceptance", "sts_ad", "ssq", "demographics", "attention", "purpose", "which"]
+    {
         let scale = shipped(id);
         assert_eq!(scale.wording.worded(), scale.items.len(), "{id}");
-        assert!(
-            scale.licence.is_some() && scale.wording.shown_title.is_none(),
-            "{id}"
-        );
+        assert!(scale.licence.is_some() && scale.wording.shown_title.is_none(), "{id}");
     }
     assert_eq!(shipped("misc").wording.worded(), 0);
     for id in ["demographics", "attention", "purpose", "which"] {

@@ -61,9 +61,7 @@ impl LinearWindows {
         let eta = |head: usize, reads: Vec<f64>| {
             let z = std::iter::once(1.0).chain(reads);
             let fitted = &self.heads[head];
-            fitted
-                .learned()
-                .then(|| fitted.eta(&[], z) + latent.mean[head])
+            fitted.learned().then(|| fitted.eta(&[], z) + latent.mean[head])
         };
         let of_row = |row: &Row| Said {
             following_distance_m: eta(0, vec![row.lead_speed_mps]),
@@ -84,11 +82,8 @@ fn read(features: &[Standardization], row: &Row, signals: [usize; 3]) -> Vec<f64
 
 /// The rows of a drive as events of the three heads.
 fn events(features: &[Standardization], rows: &[Row]) -> DriveEvents {
-    let event = |reads: Vec<f64>, value: f64| Event {
-        time_s: 0.0,
-        reads,
-        outcome: Outcome::Value(value),
-    };
+    let event =
+        |reads: Vec<f64>, value: f64| Event { time_s: 0.0, reads, outcome: Outcome::Value(value) };
     let gap = |row: &Row| Some(event(vec![row.lead_speed_mps], row.following_distance_m?));
     let change = |row: &Row| {
         let change = f64::from(u8::from(row.lane_change?));

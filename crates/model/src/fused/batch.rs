@@ -204,10 +204,7 @@ impl Batches {
         self.gradient.copy_from_slice(&first.gradient);
         for lane in others {
             sums.merge(&lane.sums);
-            arch.dispatch(AddTo {
-                to: &mut self.gradient,
-                from: &lane.gradient,
-            });
+            arch.dispatch(AddTo { to: &mut self.gradient, from: &lane.gradient });
             arch.dispatch(AddTo {
                 to: &mut first.lines.all_mut()[..lines],
                 from: &lane.lines.all()[..lines],

@@ -69,8 +69,7 @@ impl Layer {
     /// Weights of `w` output by output, shape `(outputs, padded d)`.
     pub(crate) fn back_embedding<'a>(&self, derived: &'a [f32]) -> &'a [f32] {
         let size = self.native.outputs * padded(self.embedding);
-        self.back_embedding
-            .map_or(&[], |offset| &derived[offset..][..size])
+        self.back_embedding.map_or(&[], |offset| &derived[offset..][..size])
     }
 }
 
@@ -259,10 +258,7 @@ impl Layout {
     pub(crate) fn derive(&self, packed: &[f32], derived: &mut [f32]) {
         for layer in self.layers() {
             let e = layer.embedding;
-            let parts = [
-                (layer.back_embedding, 0, e),
-                (layer.back, e, layer.inputs()),
-            ];
+            let parts = [(layer.back_embedding, 0, e), (layer.back, e, layer.inputs())];
             for (offset, first, lines) in parts {
                 let Some(offset) = offset else { continue };
                 let back_width = padded(lines);

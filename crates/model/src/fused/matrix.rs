@@ -22,11 +22,7 @@ impl Aligned {
     pub(crate) fn zeros(length: usize) -> Self {
         let data = vec![0.0; length + LANES];
         let start = data.as_ptr().align_offset(LANES * size_of::<f32>());
-        Self {
-            start: start.min(LANES),
-            data,
-            length,
-        }
+        Self { start: start.min(LANES), data, length }
     }
 }
 
@@ -54,10 +50,7 @@ impl Matrix {
     /// Zeros; `columns` is rounded up by [`padded`].
     pub(crate) fn zeros(rows: usize, columns: usize) -> Self {
         let width = padded(columns);
-        Self {
-            data: Aligned::zeros(rows * width),
-            width,
-        }
+        Self { data: Aligned::zeros(rows * width), width }
     }
 
     pub(crate) fn all(&self) -> &[f32] {
@@ -79,20 +72,12 @@ impl Matrix {
 
     /// The columns from `first` on.
     pub(crate) fn columns(&self, first: usize) -> View<'_> {
-        View {
-            data: &self.data,
-            stride: self.width,
-            first,
-        }
+        View { data: &self.data, stride: self.width, first }
     }
 
     /// The columns from `first` on, to write to.
     pub(crate) fn columns_mut(&mut self, first: usize) -> ViewMut<'_> {
-        ViewMut {
-            stride: self.width,
-            first,
-            data: &mut self.data,
-        }
+        ViewMut { stride: self.width, first, data: &mut self.data }
     }
 }
 
@@ -106,11 +91,7 @@ pub(crate) struct View<'a> {
 
 impl View<'static> {
     /// A column of ones, of as many rows as are asked for.
-    pub(crate) const ONES: Self = View {
-        data: &[1.0],
-        stride: 0,
-        first: 0,
-    };
+    pub(crate) const ONES: Self = View { data: &[1.0], stride: 0, first: 0 };
 }
 
 /// A [`View`] to write to.

@@ -58,11 +58,7 @@ pub(super) struct Through<'a> {
 impl<'a> Through<'a> {
     pub(super) fn new(shared: &'a Shared<'a>, place: &'a [u32]) -> Self {
         let rows = place.len();
-        Self {
-            shared,
-            rows,
-            place,
-        }
+        Self { shared, rows, place }
     }
 
     /// From `x` to `output`; with a `table` the first layer starts from the roster's lines, from that column on.
@@ -78,10 +74,9 @@ impl<'a> Through<'a> {
             return;
         };
         let start = |index: usize, layer: &Layer| match table {
-            Some(column) if index == 0 => Start::Table {
-                table: self.shared.roster.table.columns(column),
-                index: self.place,
-            },
+            Some(column) if index == 0 => {
+                Start::Table { table: self.shared.roster.table.columns(column), index: self.place }
+            }
             _ => Start::Bias(layer.biases(self.shared.packed)),
         };
         for (index, layer) in others.iter().enumerate() {
@@ -169,16 +164,8 @@ impl<'a> Through<'a> {
         let arch = self.shared.arch;
         for (index, layer) in stack.iter().enumerate().rev() {
             let [even, odd] = scratch;
-            let (read, write) = if index % 2 == 0 {
-                (&*odd, even)
-            } else {
-                (&*even, odd)
-            };
-            let dy = if index + 1 == stack.len() {
-                by_output
-            } else {
-                read.columns(0)
-            };
+            let (read, write) = if index % 2 == 0 { (&*odd, even) } else { (&*even, odd) };
+            let dy = if index + 1 == stack.len() { by_output } else { read.columns(0) };
             let before = index.checked_sub(1).map(|i| &hidden[i]);
             let x = before.map_or(x, |matrix| matrix.columns(0));
             if layer.native.outputs <= NARROW && x.first % LANES == 0 {

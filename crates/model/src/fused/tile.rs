@@ -41,9 +41,7 @@ impl Head {
 
 fn hidden(stack: &[Layer]) -> Vec<Matrix> {
     let sizes = stack.iter().take(stack.len().saturating_sub(1));
-    sizes
-        .map(|layer| Matrix::zeros(ROWS, layer.native.outputs))
-        .collect()
+    sizes.map(|layer| Matrix::zeros(ROWS, layer.native.outputs)).collect()
 }
 
 /// A tile with room for all it needs, kept from batch to batch.
@@ -130,12 +128,7 @@ impl Tile {
         let through = Through::new(shared, &self.place[..self.rows]);
         let encoders = [
             (&layout.lane_encoder, 0, &mut self.lane_encoder, 0),
-            (
-                &layout.speed_encoder,
-                self.speed_window,
-                &mut self.speed_encoder,
-                reads.code,
-            ),
+            (&layout.speed_encoder, self.speed_window, &mut self.speed_encoder, reads.code),
         ];
         for (stack, window, hidden, code) in encoders {
             let code = self.reads.columns_mut(code);
@@ -148,18 +141,8 @@ impl Tile {
                 columns.following_distance,
                 &mut self.following_distance,
             ),
-            (
-                &layout.lane_head,
-                0,
-                columns.lane_change,
-                &mut self.lane_change,
-            ),
-            (
-                &layout.speed_head,
-                reads.code,
-                columns.velocity,
-                &mut self.velocity,
-            ),
+            (&layout.lane_head, 0, columns.lane_change, &mut self.lane_change),
+            (&layout.speed_head, reads.code, columns.velocity, &mut self.velocity),
         ];
         for (stack, x, table, head) in heads {
             let out = head.output.columns_mut(0);
@@ -199,11 +182,7 @@ impl Tile {
         let head = &self.mutual_information;
         through.backward(
             &layout.mutual_information,
-            (
-                self.reads.columns(0),
-                &head.hidden,
-                head.by_output.columns(0),
-            ),
+            (self.reads.columns(0), &head.hidden, head.by_output.columns(0)),
             None,
             Some((self.by_reads.columns_mut(0), ZERO)),
             &mut self.scratch,
@@ -223,10 +202,7 @@ impl Tile {
             let line = to.lines.row_mut(self.place[row] as usize);
             line[columns.aggression] += by[reads.aggression];
             let by_embedding = &self.by_target.row(row);
-            for (to, from) in line[columns.embedding..]
-                .iter_mut()
-                .zip(by_embedding.iter())
-            {
+            for (to, from) in line[columns.embedding..].iter_mut().zip(by_embedding.iter()) {
                 *to += from;
             }
         }
@@ -245,11 +221,7 @@ impl Tile {
         let head = &self.following_distance;
         through.backward(
             &layout.following_distance,
-            (
-                self.reads.columns(layout.reads.lead_speed),
-                &head.hidden,
-                head.by_output.columns(0),
-            ),
+            (self.reads.columns(layout.reads.lead_speed), &head.hidden, head.by_output.columns(0)),
             Some(columns.following_distance),
             None,
             scratch,
@@ -276,11 +248,7 @@ impl Tile {
         for (stack, encoder, head, hidden, table, (code, window)) in parts {
             through.backward(
                 stack,
-                (
-                    self.reads.columns(code),
-                    &head.hidden,
-                    head.by_output.columns(0),
-                ),
+                (self.reads.columns(code), &head.hidden, head.by_output.columns(0)),
                 Some(table),
                 Some((self.by_reads.columns_mut(code), start)),
                 scratch,
@@ -288,11 +256,7 @@ impl Tile {
             );
             through.backward(
                 encoder,
-                (
-                    self.windows.columns(window),
-                    hidden,
-                    self.by_reads.columns(code),
-                ),
+                (self.windows.columns(window), hidden, self.by_reads.columns(code)),
                 None,
                 None,
                 scratch,
@@ -308,10 +272,8 @@ impl Tile {
         let aggression = shared.roster.columns.aggression;
         let scaled = |c: f32, weight: f64| (f64::from(c) * weight * shared.scale) as f32;
         for row in 0..self.rows {
-            let Known {
-                values: [_, distance, change, speed],
-                weights: [in_f, in_c, in_v, _],
-            } = self.known[row];
+            let Known { values: [_, distance, change, speed], weights: [in_f, in_c, in_v, _] } =
+                self.known[row];
             let f = self.following_distance.output.row(row)[0];
             let c = scaled(in_f, weights.following_distance);
             let (loss, slope) = squared_error(f, distance, c);

@@ -105,11 +105,7 @@ fn first<'a>(
         common,
         slopes: vec![0.0; d],
         between_sd: if normal { sd.max(LEAST_SD) } else { 1.0 },
-        within_sd: if normal {
-            (FIRST_WITHIN * sd).max(LEAST_SD)
-        } else {
-            0.0
-        },
+        within_sd: if normal { (FIRST_WITHIN * sd).max(LEAST_SD) } else { 0.0 },
         events: n,
         drives: drives.filter(|e| !e.is_empty()).count(),
     }
@@ -152,11 +148,7 @@ fn posteriors_of_one(
     d: usize,
     k: usize,
 ) -> Vec<Latent> {
-    let silent = FittedHead {
-        events: 0,
-        between_sd: 1.0,
-        ..head.clone()
-    };
+    let silent = FittedHead { events: 0, between_sd: 1.0, ..head.clone() };
     let mut heads = vec![silent; k];
     heads[which] = head.clone();
     posteriors(&heads, drives, &[], d)
@@ -275,12 +267,7 @@ fn turn(heads: &mut [FittedHead], d: usize) {
         .column_iter()
         .map(|column| {
             let moved = &slopes * column;
-            column
-                * if moved.is_empty() {
-                    1.0
-                } else {
-                    moved[moved.iamax()].signum()
-                }
+            column * if moved.is_empty() { 1.0 } else { moved[moved.iamax()].signum() }
         })
         .collect();
     for head in heads.iter_mut() {

@@ -97,11 +97,7 @@ impl OwnHead {
         }
         let mut common = fitted.common.clone();
         common[0] = fitted.eta(w, std::iter::once(1.0));
-        Some(Self {
-            family: fitted.family,
-            common,
-            within_sd: fitted.within_sd,
-        })
+        Some(Self { family: fitted.family, common, within_sd: fitted.within_sd })
     }
 
     /// The mean of what this driver does in the situation `reads`, in the head's unit; of one habit, a probability.

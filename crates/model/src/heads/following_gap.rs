@@ -34,9 +34,8 @@ fn events(drive: &Drive) -> Vec<Event> {
     // Without free road in the drive, the speed that is posted stands for the own.
     let free_mps = free_speed::own_mps(drive).unwrap_or(drive.road().posted_speed_mps);
     let rows = drive.rows();
-    let followed = blocks(drive, SETTLE_S, BLOCK_S, |row| {
-        drive.sees().ahead && rows.following[row]
-    });
+    let followed =
+        blocks(drive, SETTLE_S, BLOCK_S, |row| drive.sees().ahead && rows.following[row]);
     let event = |block: std::ops::Range<usize>| {
         let gap_s = mean(&rows.lead_dx_m, &block) / mean(&rows.ego_speed_mps, &block);
         let reads = vec![held_up(free_mps, mean(&rows.lead_speed_mps, &block))];

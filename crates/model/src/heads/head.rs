@@ -75,11 +75,7 @@ impl Event {
     /// What was done at a row of a drive.
     pub(super) fn at(drive: &Drive, row: usize, reads: Vec<f64>, outcome: Outcome) -> Self {
         let times = &drive.rows().time_s;
-        Self {
-            time_s: times[row] - times[0],
-            reads,
-            outcome,
-        }
+        Self { time_s: times[row] - times[0], reads, outcome }
     }
 
     /// z: the constant, then what is read.

@@ -69,16 +69,10 @@ pub(super) fn kept_back(
 }
 
 fn judge(heads: &[FittedHead], events: &DriveEvents, d: usize, sums: &mut [Sums]) {
-    let end_s = events
-        .iter()
-        .flatten()
-        .map(|e| e.time_s)
-        .fold(0.0, f64::max);
+    let end_s = events.iter().flatten().map(|e| e.time_s).fold(0.0, f64::max);
     let is_known = |e: &Event| e.time_s <= KNOWN * end_s;
-    let known: DriveEvents = events
-        .iter()
-        .map(|e| e.iter().filter(|e| is_known(e)).cloned().collect())
-        .collect();
+    let known: DriveEvents =
+        events.iter().map(|e| e.iter().filter(|e| is_known(e)).cloned().collect()).collect();
     let style = solve(heads, &known, None, d, None);
     for (k, fitted) in heads.iter().enumerate() {
         let own_head = OwnHead::new(fitted, style.w(d));
@@ -93,11 +87,7 @@ fn judge(heads: &[FittedHead], events: &DriveEvents, d: usize, sums: &mut [Sums]
             };
             let everybody = mean.expected_for(event);
             sums[k].n += 1;
-            let predictions = [
-                own_head.expected_for(event),
-                shown.unwrap_or(everybody),
-                everybody,
-            ];
+            let predictions = [own_head.expected_for(event), shown.unwrap_or(everybody), everybody];
             for (sum, prediction) in sums[k].squares.iter_mut().zip(predictions) {
                 *sum += (prediction - value).powi(2);
             }
@@ -111,10 +101,6 @@ fn own_mean(family: Family, events: &[Event]) -> Option<f64> {
         Outcome::Value(v) | Outcome::AtLeast(v) => family.linked(v),
     };
     let mean = events.iter().map(value).sum::<f64>() / events.len() as f64;
-    let back = if family == Family::LogNormal {
-        libm::exp(mean)
-    } else {
-        mean
-    };
+    let back = if family == Family::LogNormal { libm::exp(mean) } else { mean };
     (!events.is_empty()).then_some(back)
 }

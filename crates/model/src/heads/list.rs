@@ -56,11 +56,7 @@ mod tests {
 
     #[test]
     fn a_drive_shows_the_habits_that_made_it() {
-        let habits = Habits {
-            speed_mps: 30.0,
-            time_gap_s: 2.0,
-            passes: true,
-        };
+        let habits = Habits { speed_mps: 30.0, time_gap_s: 2.0, passes: true };
         let events = events_of(&drive_apart("P01", &habits, 600.0), f64::INFINITY, None);
         let middle = |head: usize| {
             let values = events[head].iter().map(|e| match e.outcome {
@@ -71,16 +67,8 @@ mod tests {
             values[values.len() / 2]
         };
         assert!((middle(at::FREE_SPEED) - 30.0).abs() < 0.5);
-        assert!(
-            (middle(at::FOLLOWING_GAP) - 2.0).abs() < 0.4,
-            "{}",
-            middle(at::FOLLOWING_GAP)
-        );
-        assert!(
-            (middle(at::MERGE_BACK) - 1.6).abs() < 0.3,
-            "{}",
-            middle(at::MERGE_BACK)
-        );
+        assert!((middle(at::FOLLOWING_GAP) - 2.0).abs() < 0.4, "{}", middle(at::FOLLOWING_GAP));
+        assert!((middle(at::MERGE_BACK) - 1.6).abs() < 0.3, "{}", middle(at::MERGE_BACK));
         assert!(middle(at::PASS) > 0.5);
         // Whoever waits behind before moving out would have gone at a longer gap: that is censored.
         assert!(
@@ -93,11 +81,7 @@ mod tests {
 
     #[test]
     fn a_habit_is_read_only_where_the_rig_could_have_shown_it() {
-        let habits = Habits {
-            speed_mps: 30.0,
-            time_gap_s: 2.0,
-            passes: true,
-        };
+        let habits = Habits { speed_mps: 30.0, time_gap_s: 2.0, passes: true };
         let drive = drive_apart("P01", &habits, 600.0);
         let shown = |sees: &str| -> Vec<bool> {
             let drive = drive.clone().seen_by(sees.parse().unwrap());
@@ -122,16 +106,10 @@ mod tests {
 
     #[test]
     fn who_never_passes_has_no_move_out_and_is_known_for_it() {
-        let habits = Habits {
-            speed_mps: 30.0,
-            time_gap_s: 1.5,
-            passes: false,
-        };
+        let habits = Habits { speed_mps: 30.0, time_gap_s: 1.5, passes: false };
         let events = events_of(&drive_apart("P01", &habits, 300.0), f64::INFINITY, None);
         assert!(events[at::MOVE_OUT].is_empty() && events[at::MERGE_BACK].is_empty());
-        let stayed = events[at::PASS]
-            .iter()
-            .all(|e| e.outcome == Outcome::Value(0.0));
+        let stayed = events[at::PASS].iter().all(|e| e.outcome == Outcome::Value(0.0));
         assert!(stayed);
         let first = events_of(&drive_apart("P01", &habits, 300.0), 60.0, None);
         assert!(first.iter().flatten().all(|e| e.time_s < 60.0));

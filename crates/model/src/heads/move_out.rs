@@ -36,11 +36,7 @@ fn events(drive: &Drive) -> Vec<Event> {
             return None;
         }
         let gap_s = drive.time_gap_s(start).filter(|g| *g > 0.0)?;
-        let outcome = if followed(start) {
-            Outcome::AtLeast(gap_s)
-        } else {
-            Outcome::Value(gap_s)
-        };
+        let outcome = if followed(start) { Outcome::AtLeast(gap_s) } else { Outcome::Value(gap_s) };
         Some(Event::at(drive, start, Vec::new(), outcome))
     };
     drive.lane_changes().iter().filter_map(event).collect()

@@ -62,9 +62,7 @@ fn events(drive: &Drive) -> Vec<Event> {
         let near = rows.changing[row] == 0
             && drive.lead_ahead(row)
             && drive.time_gap_s(row).is_some_and(|g| g < BEHIND_S);
-        let same = behind
-            .as_ref()
-            .is_some_and(|b| b.vehicle == rows.lead_id[row]);
+        let same = behind.as_ref().is_some_and(|b| b.vehicle == rows.lead_id[row]);
         if rows.lead_present[row] && !same {
             events.extend(behind.take().as_ref().and_then(stayed));
         }

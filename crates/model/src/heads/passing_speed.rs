@@ -32,9 +32,8 @@ fn events(drive: &Drive) -> Vec<Event> {
         return Vec::new();
     };
     let rows = drive.rows();
-    let passes = blocks(drive, SETTLE_S, BLOCK_S, |row| {
-        passing(drive, row) && rows.changing[row] == 0
-    });
+    let passes =
+        blocks(drive, SETTLE_S, BLOCK_S, |row| passing(drive, row) && rows.changing[row] == 0);
     let event = |block: Range<usize>| {
         let lead_mps = mean(&rows.lead_speed_mps, &block);
         let over_mps = mean(&rows.ego_speed_mps, &block) - lead_mps;

@@ -80,11 +80,8 @@ pub(crate) fn evaluate(
 ) -> Evaluated {
     let n = x.len();
     let w = &x.as_slice()[..d];
-    let mut there = Evaluated {
-        value: 0.0,
-        gradient: DVector::zeros(n),
-        curvature: DMatrix::zeros(n, n),
-    };
+    let mut there =
+        Evaluated { value: 0.0, gradient: DVector::zeros(n), curvature: DMatrix::zeros(n, n) };
     let mut prior = |i: usize, sd: f64| {
         let precision = 1.0 / (sd * sd);
         there.value += 0.5 * precision * x[i] * x[i];
@@ -153,18 +150,10 @@ pub(crate) fn solve(
             share *= 0.5;
         }
         if !enough || share <= SHORTEST {
-            return Latent {
-                mean,
-                covariance: curvature.inverse(),
-                steps,
-            };
+            return Latent { mean, covariance: curvature.inverse(), steps };
         }
         steps += 1;
     }
     // Numbers that are none: nothing is known.
-    Latent {
-        mean: DVector::zeros(n),
-        covariance: DMatrix::identity(n, n),
-        steps,
-    }
+    Latent { mean: DVector::zeros(n), covariance: DMatrix::identity(n, n), steps }
 }

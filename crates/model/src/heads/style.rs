@@ -77,10 +77,8 @@ impl StyleHead {
 
         let mut left_out = Vec::new();
         for person in 0..people.len() {
-            let weights: Vec<f64> = owner
-                .iter()
-                .map(|o| f64::from(u8::from(*o != person)))
-                .collect();
+            let weights: Vec<f64> =
+                owner.iter().map(|o| f64::from(u8::from(*o != person))).collect();
             if let Some(line) = least_squares(weighted(scored, &weights), d) {
                 let of_person = scored.iter().zip(&owner).filter(|(_, o)| **o == person);
                 left_out.extend(of_person.map(|(s, _)| (s.points, points(&line, &s.style.mean))));
@@ -91,22 +89,13 @@ impl StyleHead {
         let square = |pairs: &[(f64, f64)]| {
             pairs.iter().map(|(s, p)| (s - p).powi(2)).sum::<f64>() / pairs.len() as f64
         };
-        let within: Vec<(f64, f64)> = scored
-            .iter()
-            .map(|s| (s.points, points(&full_line, &s.style.mean)))
-            .collect();
+        let within: Vec<(f64, f64)> =
+            scored.iter().map(|s| (s.points, points(&full_line, &s.style.mean))).collect();
         let error = square(if crossed { &left_out } else { &within });
-        let unknown = scored
-            .iter()
-            .map(|s| spread(&gradient, &s.style.covariance))
-            .sum::<f64>()
-            / n;
+        let unknown =
+            scored.iter().map(|s| spread(&gradient, &s.style.covariance)).sum::<f64>() / n;
         let mean = scored.iter().map(|s| s.points).sum::<f64>() / n;
-        let variance = scored
-            .iter()
-            .map(|s| (s.points - mean).powi(2))
-            .sum::<f64>()
-            / n;
+        let variance = scored.iter().map(|s| (s.points - mean).powi(2)).sum::<f64>() / n;
         let least = LEAST_ERROR * LEAST_ERROR * variance;
         Some(Self {
             covariance: bootstrap(scored, &owner, people.len(), d, seed),
@@ -128,16 +117,12 @@ impl StyleHead {
     /// Checks what was read from a file.
     pub(crate) fn check(&self, d: usize) -> Result<(), ModelError> {
         let numbers = self.gradient.iter().chain(&self.covariance);
-        let finite = numbers
-            .chain([&self.offset, &self.reading_sd])
-            .all(|x| x.is_finite());
+        let finite = numbers.chain([&self.offset, &self.reading_sd]).all(|x| x.is_finite());
         let sizes = self.gradient.len() == d && self.covariance.len() == (d + 1) * (d + 1);
         if finite && sizes && self.reading_sd > 0.0 {
             return Ok(());
         }
-        Err(ModelError::bad_file(
-            "its style head is of another size or no number",
-        ))
+        Err(ModelError::bad_file("its style head is of another size or no number"))
     }
 }
 
@@ -153,10 +138,7 @@ pub fn score_line(
     let pairs = styles.iter().zip(points);
     let expected = styles.first().map_or(0, |style| style.len());
     if let Some(other) = styles.iter().find(|style| style.len() != expected) {
-        return Err(ModelError::EmbeddingSize {
-            found: other.len(),
-            expected,
-        });
+        return Err(ModelError::EmbeddingSize { found: other.len(), expected });
     }
     let differ = points.iter().any(|p| (p - points[0]).abs() >= 1e-9);
     let rows = pairs.map(|(style, points)| (*style, *points, 1.0));
@@ -218,9 +200,7 @@ fn bootstrap(
 
 fn pearson(pairs: &[(f64, f64)]) -> Option<f64> {
     let n = pairs.len() as f64;
-    let (a, b) = pairs
-        .iter()
-        .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+    let (a, b) = pairs.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
     let sum = |f: &dyn Fn(&(f64, f64)) -> f64| pairs.iter().map(f).sum::<f64>();
     let (xx, yy) = (sum(&|p| (p.0 - a).powi(2)), sum(&|p| (p.1 - b).powi(2)));
     let r = sum(&|p| (p.0 - a) * (p.1 - b)) / (xx * yy).sqrt();
@@ -238,10 +218,7 @@ mod tests {
             ScoredStyle {
                 participant: ParticipantId::new(format!("P{:02}", i / 2)).unwrap(),
                 points: 28.0 + 6.0 * w[0] - 3.0 * w[1] + noise * (3.7 * x).sin(),
-                style: Posterior {
-                    mean: w,
-                    covariance: vec![0.0; 9],
-                },
+                style: Posterior { mean: w, covariance: vec![0.0; 9] },
             }
         };
         (0..n).map(of).collect()
@@ -253,10 +230,7 @@ mod tests {
         for (i, truth) in [6.0, -3.0, 0.0].into_iter().enumerate() {
             let sd = head.covariance[i * 4 + i].sqrt();
             assert!(sd > 0.1 && sd < 1.5, "{sd}");
-            assert!(
-                (head.gradient[i] - truth).abs() < 3.0 * sd + 0.3,
-                "{head:?}"
-            );
+            assert!((head.gradient[i] - truth).abs() < 3.0 * sd + 0.3, "{head:?}");
         }
         assert!(head.cross_fitted_r.unwrap() > 0.8);
         assert_eq!((head.people, head.drives), (30, 60));

@@ -46,11 +46,7 @@ impl Support {
         let style = self.by_style / self.by_style_expected.max(f64::MIN_POSITIVE);
         let rest = (self.distance - self.by_style)
             / (self.habits as f64 - self.by_style_expected).max(f64::MIN_POSITIVE);
-        Some(if style > rest {
-            BeyondWhy::Style { habit }
-        } else {
-            BeyondWhy::Habits { habit }
-        })
+        Some(if style > rest { BeyondWhy::Style { habit } } else { BeyondWhy::Habits { habit } })
     }
 }
 
@@ -130,10 +126,8 @@ impl Population {
     /// The normal population whose drives are most probable, readings missing and uncertain as they are (EM).
     pub(crate) fn learn(heads: &[FittedHead], drives: &[Vec<Vec<Event>>], people: usize) -> Self {
         let h = heads.len();
-        let shown: Vec<Vec<Reading>> = drives
-            .iter()
-            .map(|events| readings(heads, events))
-            .collect();
+        let shown: Vec<Vec<Reading>> =
+            drives.iter().map(|events| readings(heads, events)).collect();
         let n = shown.len() as f64;
         let mut mean = DVector::zeros(h);
         let variances = DVector::from_iterator(h, heads.iter().map(total_variance));
@@ -178,9 +172,7 @@ impl Population {
         if sizes && numbers().all(|x| x.is_finite()) {
             return Ok(());
         }
-        Err(ModelError::bad_file(
-            "its population is of another size or no number",
-        ))
+        Err(ModelError::bad_file("its population is of another size or no number"))
     }
 
     /// How well the people learned from explain what a drive shows; `None` where it shows nothing.
@@ -317,18 +309,10 @@ mod tests {
         let beyond = |shift: [f64; 3]| {
             let strangers = drives(20, 7, shift);
             let of = |events: &DriveEvents| population.support(&heads, events).unwrap();
-            strangers
-                .iter()
-                .map(of)
-                .filter(|s| s.beyond().is_some())
-                .count()
+            strangers.iter().map(of).filter(|s| s.beyond().is_some()).count()
         };
         assert!(beyond([0.0; 3]) <= 1);
-        assert!(
-            beyond([30.0, -5.0, 0.0]) == 20,
-            "{}",
-            beyond([30.0, -5.0, 0.0])
-        );
+        assert!(beyond([30.0, -5.0, 0.0]) == 20, "{}", beyond([30.0, -5.0, 0.0]));
         // Both habits are usual, not together.
         assert!(beyond([6.0, 1.6, 0.0]) >= 15, "{}", beyond([6.0, 1.6, 0.0]));
     }
@@ -337,23 +321,14 @@ mod tests {
     fn along_a_style_and_against_every_style_are_told_apart() {
         let (heads, population) = learned(60, 2);
         let drive = |values: [f64; 3]| -> DriveEvents {
-            let event = |value| Event {
-                time_s: 0.0,
-                reads: Vec::new(),
-                outcome: Outcome::Value(value),
-            };
+            let event =
+                |value| Event { time_s: 0.0, reads: Vec::new(), outcome: Outcome::Value(value) };
             values.map(|v| vec![event(v); 5]).to_vec()
         };
         let why = |values| population.support(&heads, &drive(values)).unwrap().beyond();
         assert_eq!(why([30.0, 1.0, 4.0]), None);
-        assert!(matches!(
-            why([48.0, -2.0, 4.0]),
-            Some(BeyondWhy::Style { .. })
-        ));
-        assert!(matches!(
-            why([34.0, 3.0, 4.0]),
-            Some(BeyondWhy::Habits { .. })
-        ));
+        assert!(matches!(why([48.0, -2.0, 4.0]), Some(BeyondWhy::Style { .. })));
+        assert!(matches!(why([34.0, 3.0, 4.0]), Some(BeyondWhy::Habits { .. })));
     }
 
     #[test]

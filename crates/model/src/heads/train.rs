@@ -65,10 +65,7 @@ pub(crate) fn learned_from(
 }
 
 fn posted(given: &[TrainingDrive<'_>], free_speed: FreeSpeed) -> Result<Posted, ModelError> {
-    let no_drives = ModelError::NoDrives {
-        given: given.len(),
-        excluded: 0,
-    };
+    let no_drives = ModelError::NoDrives { given: given.len(), excluded: 0 };
     Posted::learn(given.iter().map(|t| t.drive), free_speed).ok_or(no_drives)
 }
 
@@ -87,9 +84,7 @@ pub(crate) fn train_heads(
         let until_s = length_s(drive.drive, settings.fit_fraction);
         let shown = events_of(drive.drive, until_s, Some(&posted));
         if shown.iter().all(Vec::is_empty) {
-            warnings.push(ModelWarning::NoHabits {
-                drive: drive.drive.meta().drive.clone(),
-            });
+            warnings.push(ModelWarning::NoHabits { drive: drive.drive.meta().drive.clone() });
         } else {
             used.push(drive);
             events.push(shown);
@@ -115,9 +110,8 @@ pub(crate) fn train_heads(
     let owners: Vec<&str> = participants().map(ParticipantId::as_str).collect();
     let kept_back = kept_back(&events, &owners, d);
     let reports = fitted.heads.iter().zip(kept_back).enumerate();
-    let heads: Vec<HeadReport> = reports
-        .map(|(k, (head, kept))| HeadReport::new(head, k, kept))
-        .collect();
+    let heads: Vec<HeadReport> =
+        reports.map(|(k, (head, kept))| HeadReport::new(head, k, kept)).collect();
     let mut training = Vec::with_capacity(used.len());
     for (t, latent) in used.iter().zip(&fitted.latents) {
         let speeds = &t.drive.rows().ego_speed_mps;
@@ -134,16 +128,11 @@ pub(crate) fn train_heads(
         posted,
         training,
         days: None,
-        heads: Heads::Linear(LinearHeads {
-            heads: fitted.heads,
-            style: style.clone(),
-        }),
+        heads: Heads::Linear(LinearHeads { heads: fitted.heads, style: style.clone() }),
     })?;
     let embeddings = model.training().iter();
     Ok(Trained {
-        embeddings: embeddings
-            .map(|t| (t.drive.clone(), t.embedding.clone()))
-            .collect(),
+        embeddings: embeddings.map(|t| (t.drive.clone(), t.embedding.clone())).collect(),
         report: TrainingReport {
             warnings,
             drives: used.len(),

@@ -21,10 +21,7 @@ pub struct CurveSettings {
 
 impl Default for CurveSettings {
     fn default() -> Self {
-        Self {
-            minutes: vec![1.0, 2.0, 5.0, 10.0],
-            held_out: 0.2,
-        }
+        Self { minutes: vec![1.0, 2.0, 5.0, 10.0], held_out: 0.2 }
     }
 }
 
@@ -32,12 +29,7 @@ impl CurveSettings {
     fn check(&self) -> Result<(), ModelError> {
         let mut last = 0.0;
         for &minutes in &self.minutes {
-            check(
-                "minutes",
-                minutes,
-                minutes > last,
-                "finite numbers above 0, rising",
-            )?;
+            check("minutes", minutes, minutes > last, "finite numbers above 0, rising")?;
             last = minutes;
         }
         part("held_out", self.held_out)
@@ -133,16 +125,10 @@ pub fn learning_curve(
         if rows > seen {
             beyond.push(minutes);
         } else {
-            points.push(CurvePoint {
-                minutes,
-                ..first(rows)?
-            });
+            points.push(CurvePoint { minutes, ..first(rows)? });
         }
     }
-    points.push(CurvePoint {
-        all: true,
-        ..first(seen)?
-    });
+    points.push(CurvePoint { all: true, ..first(seen)? });
     Ok(LearningCurve {
         drive: drive.meta().drive.clone(),
         held_out_minutes: (row_count - seen) as f64 / per_minute,
@@ -155,9 +141,7 @@ pub fn learning_curve(
 fn training_sd(model: &Model) -> Vec<f64> {
     let (_, covariance) = moments(&model.points(), model.embedding_size());
     let sds = covariance.diagonal().map(f64::sqrt);
-    sds.iter()
-        .map(|&sd| if sd > 1e-9 { sd } else { 1.0 })
-        .collect()
+    sds.iter().map(|&sd| if sd > 1e-9 { sd } else { 1.0 }).collect()
 }
 
 #[cfg(test)]
@@ -168,11 +152,7 @@ mod tests {
         test_drives::{Habits, drive_apart},
     };
 
-    const HABITS: Habits = Habits {
-        speed_mps: 32.0,
-        time_gap_s: 1.2,
-        passes: true,
-    };
+    const HABITS: Habits = Habits { speed_mps: 32.0, time_gap_s: 1.2, passes: true };
 
     #[test]
     fn more_driving_comes_nearer_than_none() {
@@ -189,10 +169,7 @@ mod tests {
         assert!(all.all && !none.all);
         assert!((all.minutes + curve.held_out_minutes - 400.0 / 60.0).abs() < 0.05);
         assert!(none.standard_error.is_none() && all.standard_error.is_some());
-        assert!(
-            all.distance_to_full_sd < 0.5 * none.distance_to_full_sd,
-            "{curve:?}"
-        );
+        assert!(all.distance_to_full_sd < 0.5 * none.distance_to_full_sd, "{curve:?}");
         assert!(all.held_out.unwrap() < none.held_out.unwrap(), "{curve:?}");
     }
 
@@ -205,17 +182,8 @@ mod tests {
             let settings = CurveSettings { minutes, held_out };
             learning_curve(&personalizer, &drive, &settings).unwrap_err()
         };
-        assert!(matches!(
-            refused(vec![2.0, 1.0], 0.2),
-            ModelError::BadSetting { .. }
-        ));
-        assert!(matches!(
-            refused(vec![1.0], 0.0),
-            ModelError::BadSetting { .. }
-        ));
-        assert!(matches!(
-            refused(vec![1.0], 1e-6),
-            ModelError::DriveTooShort { .. }
-        ));
+        assert!(matches!(refused(vec![2.0, 1.0], 0.2), ModelError::BadSetting { .. }));
+        assert!(matches!(refused(vec![1.0], 0.0), ModelError::BadSetting { .. }));
+        assert!(matches!(refused(vec![1.0], 1e-6), ModelError::DriveTooShort { .. }));
     }
 }

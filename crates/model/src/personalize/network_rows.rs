@@ -85,9 +85,7 @@ impl<'a> NetworkRows<'a> {
             |tile, range| rows.fill(range, tile),
         );
         let predictions = predicted.iter().map(|p| {
-            let distance = scaling
-                .following_distance
-                .undo(f64::from(p.following_distance));
+            let distance = scaling.following_distance.undo(f64::from(p.following_distance));
             let odds = libm::log(f64::from(p.probability) / (1.0 - f64::from(p.probability)));
             Said {
                 following_distance_m: learned.following_distance.then_some(distance),
@@ -151,17 +149,12 @@ impl<'a> NetworkRows<'a> {
             |tile, range| rows.fill(range, tile),
         );
         let scale = rows.len() as f64 / grid_rows;
-        let by_raw = kernel
-            .embedding_gradient
-            .iter()
-            .map(|&g| scale * f64::from(g));
+        let by_raw = kernel.embedding_gradient.iter().map(|&g| scale * f64::from(g));
         let by_raw = DMatrix::from_iterator(w.len(), blocks, by_raw);
         let slopes = self.paper.whitening.root() * by_raw;
         let weights = &self.paper.loss_weights;
-        let mut there = Evaluated {
-            value: sums.weighted(weights) / grid_rows,
-            gradient: slopes.column_sum(),
-        };
+        let mut there =
+            Evaluated { value: sums.weighted(weights) / grid_rows, gradient: slopes.column_sum() };
         if let Some(points) = self.points {
             let (gradient, offset) = self.paper.style_points();
             let sd = self.paper.scaling.aggression.sd;
@@ -247,11 +240,6 @@ mod tests {
         let left_open = covariance.symmetric_eigenvalues();
         assert!(left_open.min() > 0.0 && left_open.max() <= AMONG_DRIVERS + 1e-9);
         let few = rows_of(&drives[0].0, &paper.row_settings(), 0.3).unwrap();
-        assert!(
-            NetworkRows::new(paper, &few, None)
-                .solve(from)
-                .covariance
-                .is_empty()
-        );
+        assert!(NetworkRows::new(paper, &few, None).solve(from).covariance.is_empty());
     }
 }

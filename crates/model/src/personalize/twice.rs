@@ -30,10 +30,8 @@ pub fn learn_days(
     let d = model.embedding_size();
     let whole = Personalizer::new(model);
     let posterior = |drive: &Drive| whole.of_drive(&whole.shown(drive, 1.0)?);
-    let pairs: Result<Vec<Pair>, ModelError> = twice
-        .iter()
-        .map(|[first, again]| Ok([posterior(first)?, posterior(again)?]))
-        .collect();
+    let pairs: Result<Vec<Pair>, ModelError> =
+        twice.iter().map(|[first, again]| Ok([posterior(first)?, posterior(again)?])).collect();
     let prior = matches!(model.heads(), Heads::Linear(_));
     let Some(days) = Days::learn(&pairs?, prior, d) else {
         return Ok(model.clone());
@@ -43,10 +41,7 @@ pub fn learn_days(
         let first = Personalizer::of_first(model, share)?;
         let mut scored = Vec::new();
         for place in &mut parts.training {
-            let Some(drive) = training
-                .iter()
-                .find(|t| t.drive.meta().drive == place.drive)
-            else {
+            let Some(drive) = training.iter().find(|t| t.drive.meta().drive == place.drive) else {
                 continue;
             };
             let shown = first.shown(drive.drive, share)?;
@@ -71,8 +66,7 @@ pub fn learn_days(
 impl Personalizer<'_> {
     /// What is shown says of the drive's own style, without a score.
     fn of_drive(&self, shown: &Shown) -> Result<Posterior, ModelError> {
-        self.posterior(shown, None, None)
-            .map(|(posterior, _)| posterior)
+        self.posterior(shown, None, None).map(|(posterior, _)| posterior)
     }
 }
 
@@ -97,36 +91,21 @@ mod tests {
             time_gap_s: 1.2 + 0.3 * ((7 * i) % 3) as f64,
             passes: true,
         };
-        let again: Vec<Drive> = (0..12)
-            .map(|i| drive_apart(&format!("again{i}"), &other(i), 300.0))
-            .collect();
-        let twice: Vec<[&Drive; 2]> = drives
-            .iter()
-            .zip(&again)
-            .map(|((a, _), b)| [a, b])
-            .collect();
+        let again: Vec<Drive> =
+            (0..12).map(|i| drive_apart(&format!("again{i}"), &other(i), 300.0)).collect();
+        let twice: Vec<[&Drive; 2]> = drives.iter().zip(&again).map(|((a, _), b)| [a, b]).collect();
         let knowing = learn_days(&model, &given, 1.0, &twice, 1).unwrap();
         let days = knowing.days().unwrap();
         assert_eq!(days.people, 12);
         assert!(days.sd().iter().all(|sd| sd.is_finite()));
         assert!(days.sd().iter().any(|sd| *sd > 0.3), "{:?}", days.sd());
-        let habits = Habits {
-            speed_mps: 33.0,
-            time_gap_s: 1.2,
-            passes: true,
-        };
+        let habits = Habits { speed_mps: 33.0, time_gap_s: 1.2, passes: true };
         let new = drive_apart("new", &habits, 300.0);
         let [drive, person] = [&model, &knowing].map(|m| personalize(m, &new, None).unwrap());
         let errors = [&drive, &person].map(|p| p.standard_error().unwrap());
         let each = || errors[0].iter().zip(&errors[1]);
-        assert!(
-            each().all(|(drive, person)| *person > drive - 1e-6),
-            "{errors:?}"
-        );
-        assert!(
-            each().any(|(drive, person)| *person > 1.2 * drive),
-            "{errors:?}"
-        );
+        assert!(each().all(|(drive, person)| *person > drive - 1e-6), "{errors:?}");
+        assert!(each().any(|(drive, person)| *person > 1.2 * drive), "{errors:?}");
         let length = |p: &crate::Personalized| -> f64 {
             p.embedding.coordinates().iter().map(|x| x * x).sum()
         };

@@ -51,17 +51,11 @@ impl AttributeHead {
         scores: &BTreeMap<DriveId, f64>,
     ) -> Result<Self, ModelError> {
         let training = model.training();
-        let points: Vec<(DVector<f64>, f64)> = training
-            .iter()
-            .filter_map(|t| Some((t.point(), *scores.get(&t.drive)?)))
-            .collect();
-        let unknown = scores
-            .keys()
-            .filter(|id| !training.iter().any(|t| t.drive == **id));
-        let without_score = training
-            .iter()
-            .filter(|t| !scores.contains_key(&t.drive))
-            .map(|t| t.drive.clone());
+        let points: Vec<(DVector<f64>, f64)> =
+            training.iter().filter_map(|t| Some((t.point(), *scores.get(&t.drive)?))).collect();
+        let unknown = scores.keys().filter(|id| !training.iter().any(|t| t.drive == **id));
+        let without_score =
+            training.iter().filter(|t| !scores.contains_key(&t.drive)).map(|t| t.drive.clone());
         Ok(Self {
             without_score: without_score.collect(),
             unknown: unknown.cloned().collect(),
@@ -79,33 +73,24 @@ impl AttributeHead {
             });
         }
         if let Some((_, found)) = points.iter().find(|(_, y)| !y.is_finite()) {
-            return Err(ModelError::NotFinite {
-                signal: "score",
-                found: *found,
-            });
+            return Err(ModelError::NotFinite { signal: "score", found: *found });
         }
         let count = n as f64;
         let mean_score = points.iter().map(|(_, y)| y).sum::<f64>() / count;
         let total: f64 = points.iter().map(|(_, y)| (y - mean_score).powi(2)).sum();
         if total <= 1e-18 * count * (1.0 + mean_score * mean_score) {
-            return Err(ModelError::ConstantScore {
-                score: name.to_owned(),
-                found: mean_score,
-            });
+            return Err(ModelError::ConstantScore { score: name.to_owned(), found: mean_score });
         }
         let embeddings: Vec<DVector<f64>> = points.iter().map(|(x, _)| x.clone()).collect();
         let (mean, covariance) = moments(&embeddings, d);
         let variances = covariance.symmetric_eigenvalues();
         let flat = variances.min() <= LEAST_VARIANCE * variances.max().max(f64::MIN_POSITIVE);
         let Some(inverse) = covariance.try_inverse().filter(|_| !flat) else {
-            return Err(ModelError::FlatEmbeddings {
-                score: name.to_owned(),
-                drives: n,
-            });
+            return Err(ModelError::FlatEmbeddings { score: name.to_owned(), drives: n });
         };
-        let slope = points.iter().fold(DVector::zeros(d), |sum, (x, y)| {
-            sum + (x - &mean) * (y - mean_score) / count
-        });
+        let slope = points
+            .iter()
+            .fold(DVector::zeros(d), |sum, (x, y)| sum + (x - &mean) * (y - mean_score) / count);
         let gradient = &inverse * slope;
         let (mut left, mut left_out, mut total_left_out) = (0.0, Some(0.0), 0.0);
         for (x, y) in points {
@@ -127,11 +112,7 @@ impl AttributeHead {
         } else {
             0.0
         };
-        let across = if d > 1 {
-            covariance.trace() - along
-        } else {
-            0.0
-        };
+        let across = if d > 1 { covariance.trace() - along } else { 0.0 };
         let scores = points.iter().map(|(_, y)| *y);
         Ok(Self {
             head: LinearHead {
@@ -170,10 +151,7 @@ mod tests {
         let points: Vec<Vec<f64>> = (0..n).map(|_| (0..3).map(|_| normal()).collect()).collect();
         let score = |p: &Vec<f64>| 20.0 + 4.0 * p[0] - 2.0 * p[1] + 0.5 * p[2];
         let scores = points.iter().map(score).collect::<Vec<f64>>();
-        (
-            points,
-            scores.iter().map(|s| s + noise * normal()).collect(),
-        )
+        (points, scores.iter().map(|s| s + noise * normal()).collect())
     }
 
     fn head(points: &[Vec<f64>], scores: &[f64]) -> Result<AttributeHead, ModelError> {
@@ -240,10 +218,7 @@ mod tests {
             let cosine = dot(g, &truth) / (norm(g) * norm(&truth));
             cosine.clamp(-1.0, 1.0).acos().powi(2)
         };
-        let (scatter, said) = (
-            of(&angle).sqrt(),
-            of(&|h| h.direction_se_rad.powi(2)).sqrt(),
-        );
+        let (scatter, said) = (of(&angle).sqrt(), of(&|h| h.direction_se_rad.powi(2)).sqrt());
         assert!((0.8..1.25).contains(&(said / scatter)), "{said} {scatter}");
     }
 
@@ -251,27 +226,14 @@ mod tests {
     fn scores_that_say_nothing_are_refused() {
         let (points, scores) = made_up(12, 1.0, 3);
         let few = head(&points[..4], &scores[..4]).unwrap_err();
-        assert!(matches!(
-            few,
-            ModelError::TooFewScores {
-                found: 4,
-                expected: 5,
-                ..
-            }
-        ));
+        assert!(matches!(few, ModelError::TooFewScores { found: 4, expected: 5, .. }));
         let constant = head(&points, &[7.0; 12]).unwrap_err();
         assert!(matches!(constant, ModelError::ConstantScore { .. }));
         let flat: Vec<Vec<f64>> = points.iter().map(|p| vec![p[0], p[1], 0.0]).collect();
         let flat = head(&flat, &scores).unwrap_err();
-        assert!(matches!(
-            flat,
-            ModelError::FlatEmbeddings { drives: 12, .. }
-        ));
+        assert!(matches!(flat, ModelError::FlatEmbeddings { drives: 12, .. }));
         let mut broken = scores;
         broken[2] = f64::NAN;
-        assert!(matches!(
-            head(&points, &broken),
-            Err(ModelError::NotFinite { .. })
-        ));
+        assert!(matches!(head(&points, &broken), Err(ModelError::NotFinite { .. })));
     }
 }

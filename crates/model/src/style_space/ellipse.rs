@@ -84,10 +84,7 @@ impl PerpendicularEllipse {
             }
         }
         Self {
-            axes: axes
-                .column_iter()
-                .map(|a| a.iter().copied().collect())
-                .collect(),
+            axes: axes.column_iter().map(|a| a.iter().copied().collect()).collect(),
             half_axes: values.iter().map(|v| v.max(0.0).sqrt()).collect(),
         }
     }
@@ -113,10 +110,7 @@ impl PerpendicularEllipse {
         angle_rad: f64,
     ) -> Result<Perpendicular, ModelError> {
         if !angle_rad.is_finite() {
-            return Err(ModelError::NotFinite {
-                signal: "angle_rad",
-                found: angle_rad,
-            });
+            return Err(ModelError::NotFinite { signal: "angle_rad", found: angle_rad });
         }
         let mut unit = vec![0.0; self.axes.len()];
         match unit.as_mut_slice() {
@@ -137,11 +131,7 @@ impl PerpendicularEllipse {
         embedding: &Embedding,
         rng: &mut impl rand::Rng,
     ) -> Result<Perpendicular, ModelError> {
-        let mut unit: Vec<f64> = self
-            .axes
-            .iter()
-            .map(|_| StandardNormal.sample(rng))
-            .collect();
+        let mut unit: Vec<f64> = self.axes.iter().map(|_| StandardNormal.sample(rng)).collect();
         let length = norm(&unit);
         if length > 0.0 {
             for u in &mut unit {
@@ -166,11 +156,7 @@ impl PerpendicularEllipse {
             [only] if *only < 0.0 => PI,
             _ => 0.0,
         };
-        Ok(Perpendicular {
-            embedding: Embedding::new(w)?,
-            angle_rad,
-            unit,
-        })
+        Ok(Perpendicular { embedding: Embedding::new(w)?, angle_rad, unit })
     }
 }
 
@@ -220,9 +206,14 @@ fn turn_round_parts(values: &[f64], vectors: &mut DMatrix<f64>, rise: &DVector<f
         if many > 1 && length > 0.0 {
             let first = shares / length;
             let others = complement(&first);
-            let turn = DMatrix::from_fn(many, many, |i, j| {
-                if j == 0 { first[i] } else { others[(i, j - 1)] }
-            });
+            let turn =
+                DMatrix::from_fn(
+                    many,
+                    many,
+                    |i, j| {
+                        if j == 0 { first[i] } else { others[(i, j - 1)] }
+                    },
+                );
             vectors.columns_mut(start, many).copy_from(&(part * turn));
         }
         start += many;
@@ -291,10 +282,7 @@ mod tests {
                 DVector::from_vec(vec![0.0, a.cos(), a.sin()])
             })
             .collect();
-        let speeds: Vec<f64> = points
-            .iter()
-            .map(|p| 25.0 + 3.0 * p[1] - 4.0 * p[2])
-            .collect();
+        let speeds: Vec<f64> = points.iter().map(|p| 25.0 + 3.0 * p[1] - 4.0 * p[2]).collect();
         let ellipse = ellipse(&[1.0, 0.0, 0.0], &points, &speeds);
         let axis = &ellipse.axes()[0];
         assert!((axis[1] - 0.6).abs() < 1e-6 && (axis[2] + 0.8).abs() < 1e-6);

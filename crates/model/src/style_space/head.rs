@@ -51,11 +51,7 @@ impl LinearHead {
                 let d = style.gradient.len();
                 let of_slopes = style.covariance.chunks_exact(d + 1).take(d);
                 let covariance = of_slopes.flat_map(|line| &line[..d]).copied();
-                (
-                    style.gradient.clone(),
-                    style.offset,
-                    Some(covariance.collect()),
-                )
+                (style.gradient.clone(), style.offset, Some(covariance.collect()))
             }
             Heads::Paper(paper) => {
                 let (gradient, offset) = paper.style_points();
@@ -140,10 +136,7 @@ impl LinearHead {
         points: f64,
     ) -> Result<Moved, ModelError> {
         if !points.is_finite() {
-            return Err(ModelError::NotFinite {
-                signal: "points",
-                found: points,
-            });
+            return Err(ModelError::NotFinite { signal: "points", found: points });
         }
         let from_points = self.read(embedding)?;
         let wanted = from_points + points;
@@ -173,13 +166,7 @@ impl LinearHead {
 
     #[cfg(test)]
     pub(crate) fn for_tests(name: &str, gradient: &[f64], offset: f64, range: [f64; 2]) -> Self {
-        Self {
-            name: name.to_owned(),
-            gradient: gradient.to_vec(),
-            offset,
-            range,
-            covariance: None,
-        }
+        Self { name: name.to_owned(), gradient: gradient.to_vec(), offset, range, covariance: None }
     }
 }
 

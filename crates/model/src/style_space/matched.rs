@@ -75,11 +75,7 @@ impl Matching {
         let squares = halves.filter(|(_, half)| **half > FLAT * widest);
         let squares = squares.map(|(axis, half)| (apart(axis) / half).powi(2));
         let distance_sd = squares.sum::<f64>().sqrt();
-        let offer = Offer {
-            shift_points,
-            distance_sd,
-            lent: 0,
-        };
+        let offer = Offer { shift_points, distance_sd, lent: 0 };
         Ok(MatchedStyle {
             embedding,
             shift_points,
@@ -123,9 +119,7 @@ mod tests {
 
     /// The first coordinate is the dial, 4 points a unit; across it one SD is 1 along the second and 2 along the third.
     fn matching() -> Matching {
-        let points = [-1.0, 1.0]
-            .iter()
-            .flat_map(|a| [-1.0, 1.0].map(|b| [*a, b]));
+        let points = [-1.0, 1.0].iter().flat_map(|a| [-1.0, 1.0].map(|b| [*a, b]));
         let points = points.map(|[a, b]| DVector::from_vec(vec![a, a, 2.0 * b]));
         let points: Vec<DVector<f64>> = points.collect();
         let direction = DVector::from_vec(vec![1.0, 0.0, 0.0]);
@@ -161,24 +155,15 @@ mod tests {
         let beyond = style([7.0, 0.0, 0.0]);
         let lent = matching.lend(&beyond, &style([6.0, 1.0, 0.0])).unwrap();
         assert_eq!(lent.embedding, style([7.0, 1.0, 0.0]));
-        assert!(
-            matching
-                .lend(&own, &Embedding::new(vec![0.0]).unwrap())
-                .is_err()
-        );
+        assert!(matching.lend(&own, &Embedding::new(vec![0.0]).unwrap()).is_err());
     }
 
     #[test]
     fn who_was_lent_least_is_drawn_and_every_donor_within_reach_comes_up() {
         let matching = matching();
         let own = style([0.0; 3]);
-        let styles = [
-            [0.0, 1.0, 0.0],
-            [0.5, -1.0, 0.0],
-            [0.0, 0.0, 2.0],
-            [9.0, 0.0, 2.0],
-        ]
-        .map(style);
+        let styles =
+            [[0.0, 1.0, 0.0], [0.5, -1.0, 0.0], [0.0, 0.0, 2.0], [9.0, 0.0, 2.0]].map(style);
         let donors = |lent: [usize; 4]| -> Vec<Donor<'_>> {
             let pairs = styles.iter().zip(lent);
             pairs.map(|(style, lent)| Donor { style, lent }).collect()
@@ -198,20 +183,15 @@ mod tests {
         let own = style([0.0; 3]);
         let nearest = |donors: &[[f64; 3]]| {
             let styles: Vec<Embedding> = donors.iter().copied().map(style).collect();
-            let donors: Vec<Donor<'_>> = styles
-                .iter()
-                .map(|style| Donor { style, lent: 0 })
-                .collect();
+            let donors: Vec<Donor<'_>> =
+                styles.iter().map(|style| Donor { style, lent: 0 }).collect();
             let (at, drawn) = matching.draw(&own, &donors, 1).unwrap().unwrap();
             assert!(!drawn.within_reach);
             at
         };
         // 9 points against 12; then, both within 8 points, .5 SD against .2, and 3 against 4.
         assert_eq!(nearest(&[[3.0, 1.0, 0.0], [2.25, 5.0, 0.0]]), 1);
-        assert_eq!(
-            nearest(&[[0.0, 0.2, 0.0], [1.0, 0.5, 0.0], [3.0, 1.0, 0.0]]),
-            1
-        );
+        assert_eq!(nearest(&[[0.0, 0.2, 0.0], [1.0, 0.5, 0.0], [3.0, 1.0, 0.0]]), 1);
         assert_eq!(nearest(&[[0.0, 4.0, 0.0], [0.0, 3.0, 0.0]]), 1);
     }
 }

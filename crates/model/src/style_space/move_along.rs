@@ -27,14 +27,8 @@ impl StyleMetric {
 
     fn of_points(points: &[DVector<f64>], d: usize) -> Self {
         let (_, covariance) = moments(points, d);
-        let least = 1e-8
-            * covariance
-                .symmetric_eigenvalues()
-                .max()
-                .max(f64::MIN_POSITIVE);
-        Self {
-            covariance: of_symmetric(&covariance, |v| if v > least { v } else { 1.0 }),
-        }
+        let least = 1e-8 * covariance.symmetric_eigenvalues().max().max(f64::MIN_POSITIVE);
+        Self { covariance: of_symmetric(&covariance, |v| if v > least { v } else { 1.0 }) }
     }
 
     /// Moves `embedding` so that `heads[0]` changes by `points` and every other head not at all: the shortest such
@@ -63,15 +57,9 @@ impl StyleMetric {
     fn unit_move(&self, heads: &[&LinearHead]) -> Result<DVector<f64>, ModelError> {
         let (k, d) = (heads.len(), self.covariance.nrows());
         if k == 0 || k > d {
-            return Err(ModelError::TooManyAttributes {
-                found: k,
-                expected: d,
-            });
+            return Err(ModelError::TooManyAttributes { found: k, expected: d });
         }
-        let of_other_size = heads
-            .iter()
-            .map(|h| h.gradient().len())
-            .find(|&size| size != d);
+        let of_other_size = heads.iter().map(|h| h.gradient().len()).find(|&size| size != d);
         if let Some(found) = of_other_size {
             return Err(ModelError::EmbeddingSize { found, expected: d });
         }
@@ -79,14 +67,9 @@ impl StyleMetric {
         let mut gradients = DMatrix::from_fn(d, k, |i, j| heads[j].gradient()[i]);
         let mut first = 0.0;
         for (j, mut gradient) in gradients.column_iter_mut().enumerate() {
-            let length = gradient
-                .dot(&(&self.covariance * &gradient))
-                .max(0.0)
-                .sqrt();
+            let length = gradient.dot(&(&self.covariance * &gradient)).max(0.0).sqrt();
             if length < 1e-9 {
-                return Err(ModelError::FlatHead {
-                    head: heads[j].name().to_owned(),
-                });
+                return Err(ModelError::FlatHead { head: heads[j].name().to_owned() });
             }
             gradient /= length;
             first = if j == 0 { length } else { first };
@@ -172,11 +155,7 @@ mod tests {
         for points in [-40.0, -15.0, 0.0, 15.0, 40.0] {
             let shifted = s.shift(&start, points).unwrap();
             let moved = plain(3).move_along(&[&s], &start, points).unwrap();
-            for (a, b) in moved
-                .embedding
-                .coordinates()
-                .iter()
-                .zip(shifted.embedding.coordinates())
+            for (a, b) in moved.embedding.coordinates().iter().zip(shifted.embedding.coordinates())
             {
                 assert!((a - b).abs() < 1e-9);
             }
@@ -190,9 +169,7 @@ mod tests {
         let points = [[1.0, 0.0], [-1.0, 0.0], [0.0, 10.0], [0.0, -10.0]];
         let metric = StyleMetric::of_points(&points.map(|p| DVector::from_column_slice(&p)), 2);
         let start = Embedding::new(vec![0.0, 0.0]).unwrap();
-        let moved = metric
-            .move_along(&[&head("a", &[1.0, 1.0])], &start, 1.0)
-            .unwrap();
+        let moved = metric.move_along(&[&head("a", &[1.0, 1.0])], &start, 1.0).unwrap();
         let [first, second] = moved.embedding.coordinates() else {
             panic!("two coordinates");
         };
@@ -202,22 +179,12 @@ mod tests {
     #[test]
     fn what_cannot_be_held_is_said() {
         let start = Embedding::new(vec![0.0, 0.0]).unwrap();
-        let (a, b, c) = (
-            head("a", &[1.0, 2.0]),
-            head("b", &[-2.0, -4.0]),
-            head("c", &[0.0, 1.0]),
-        );
+        let (a, b, c) = (head("a", &[1.0, 2.0]), head("b", &[-2.0, -4.0]), head("c", &[0.0, 1.0]));
         let metric = plain(2);
         let collinear = metric.move_along(&[&a, &b], &start, 1.0).unwrap_err();
         assert!(collinear.to_string().contains("a, b"), "{collinear}");
         let many = metric.move_along(&[&a, &b, &c], &start, 1.0).unwrap_err();
-        assert!(matches!(
-            many,
-            ModelError::TooManyAttributes {
-                found: 3,
-                expected: 2
-            }
-        ));
+        assert!(matches!(many, ModelError::TooManyAttributes { found: 3, expected: 2 }));
         let flat = head("flat", &[0.0, 0.0]);
         let flat = metric.move_along(&[&a, &flat], &start, 1.0).unwrap_err();
         assert!(matches!(flat, ModelError::FlatHead { .. }));

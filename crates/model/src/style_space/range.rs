@@ -15,10 +15,7 @@ pub fn share_outside_training(
     model: &Model,
     embeddings: &[Embedding],
 ) -> Result<Option<f64>, ModelError> {
-    let radius = model
-        .training()
-        .iter()
-        .map(|t| model.distance_from_mean(&t.embedding));
+    let radius = model.training().iter().map(|t| model.distance_from_mean(&t.embedding));
     let radius = radius.fold(0.0, f64::max);
     let mut outside = 0;
     for embedding in embeddings {

@@ -50,15 +50,8 @@ fn ordered(values: &[f64]) -> f64 {
 }
 
 fn assert_left_out(report: &NetworkReport, expected: &[Loss]) {
-    let losses = report
-        .left_out
-        .iter()
-        .map(|l| l.split_once(": ").unwrap().0);
-    assert!(
-        losses.eq(expected.iter().map(ToString::to_string)),
-        "{:?}",
-        report.left_out
-    );
+    let losses = report.left_out.iter().map(|l| l.split_once(": ").unwrap().0);
+    assert!(losses.eq(expected.iter().map(ToString::to_string)), "{:?}", report.left_out);
 }
 
 #[test]
@@ -70,22 +63,16 @@ fn losses_fall_and_drivers_are_ordered_by_their_style() {
     assert!(last.total < 0.5 * first.total, "{first:?} {last:?}");
     assert!(networks(&trained).left_out.is_empty());
     let axis = LinearHead::aggression(&trained.model).unwrap();
-    let positions: Vec<f64> = trained
-        .embeddings
-        .iter()
-        .map(|(_, w)| axis.position(w).unwrap())
-        .collect();
+    let positions: Vec<f64> =
+        trained.embeddings.iter().map(|(_, w)| axis.position(w).unwrap()).collect();
     assert!(ordered(&positions) > 0.9, "{positions:?}");
 
     // New drivers between the old ones, fitted without their scores, fall between them.
     let new: Vec<f64> = (0..5)
         .map(|i| {
             let a = 0.1 + 0.2 * f64::from(i);
-            let habits = Habits {
-                speed_mps: 26.0 + 8.0 * a,
-                time_gap_s: 2.2 - 1.2 * a,
-                passes: true,
-            };
+            let habits =
+                Habits { speed_mps: 26.0 + 8.0 * a, time_gap_s: 2.2 - 1.2 * a, passes: true };
             let drive = drive(&format!("N{i}"), &habits, 200.0);
             let fit = personalize(&trained.model, &drive, None).unwrap();
             assert!(!fit.used_adb && fit.standard_error().unwrap().iter().all(|e| *e > 0.0));
@@ -114,9 +101,7 @@ fn linear_heads_drive_alike_at_every_seed_and_those_of_other_people_do_not() {
     let people = drivers_apart(6, 240.0);
     let learned = |people: &[(Drive, StyleScore)], seed| {
         let settings = TrainSettings::default();
-        let trained = train(&training(people), &settings, seed, &mut |_| {
-            ControlFlow::Continue(())
-        });
+        let trained = train(&training(people), &settings, seed, &mut |_| ControlFlow::Continue(()));
         trained.unwrap().model
     };
     let (one, two) = (learned(&people, 1), learned(&people, 2));
@@ -143,9 +128,7 @@ fn one_seed_gives_the_same_bytes_for_one_and_two_threads() {
 #[test]
 fn embeddings_are_whitened_over_the_training_drives() {
     let drives = drivers(4, 90.0);
-    let model = run(&training(&drives), &quick(|s| s.epochs = 4))
-        .unwrap()
-        .model;
+    let model = run(&training(&drives), &quick(|s| s.epochs = 4)).unwrap().model;
     let (mean, covariance) = crate::linear_algebra::moments(&model.points(), 3);
     assert!(mean.norm() < 1e-6);
     assert!((covariance - nalgebra::DMatrix::identity(3, 3)).norm() < 1e-6);
@@ -153,38 +136,21 @@ fn embeddings_are_whitened_over_the_training_drives() {
 
 #[test]
 fn a_loss_without_data_is_left_out_and_reported() {
-    let habits = Habits {
-        speed_mps: 30.0,
-        time_gap_s: 1.5,
-        passes: false,
-    };
+    let habits = Habits { speed_mps: 30.0, time_gap_s: 1.5, passes: false };
     let alone = drive("P1", &habits, 60.0);
-    let given = [TrainingDrive {
-        drive: &alone,
-        adb: None,
-    }];
+    let given = [TrainingDrive { drive: &alone, adb: None }];
     let trained = run(&given, &quick(|s| s.epochs = 2)).unwrap();
     assert_left_out(networks(&trained), &[Loss::LaneChange, Loss::Aggression]);
     assert_eq!(trained.report.warnings.len(), 3);
-    assert!(matches!(
-        LinearHead::aggression(&trained.model),
-        Err(ModelError::NoAggressionAxis)
-    ));
+    assert!(matches!(LinearHead::aggression(&trained.model), Err(ModelError::NoAggressionAxis)));
 }
 
 #[test]
 fn a_drive_that_never_meets_anyone_teaches_speed_alone() {
-    let habits = Habits {
-        speed_mps: 30.0,
-        time_gap_s: 1.5,
-        passes: true,
-    };
+    let habits = Habits { speed_mps: 30.0, time_gap_s: 1.5, passes: true };
     // The first lead comes after ten seconds.
     let alone = drive("P1", &habits, 9.0);
-    let given = [TrainingDrive {
-        drive: &alone,
-        adb: Some(ScoreRange::ADB.score(30.0).unwrap()),
-    }];
+    let given = [TrainingDrive { drive: &alone, adb: Some(ScoreRange::ADB.score(30.0).unwrap()) }];
     let report = run(&given, &quick(|s| s.epochs = 2)).unwrap().report;
     let networks = report.networks.unwrap();
     // One score orders nobody.
@@ -210,22 +176,12 @@ fn people_are_kept_back_and_the_networks_that_drive_learn_from_them_too() {
     let found = with(&|_| {});
     let selection = networks(&found).selection.clone().unwrap();
     assert_eq!((selection.people, found.report.drives), (1, 6));
-    let totals: Vec<f64> = selection
-        .epochs
-        .iter()
-        .map(|e| e.validation_total.unwrap())
-        .collect();
-    let best = (0..8)
-        .min_by(|&a, &b| totals[a].total_cmp(&totals[b]))
-        .unwrap();
+    let totals: Vec<f64> = selection.epochs.iter().map(|e| e.validation_total.unwrap()).collect();
+    let best = (0..8).min_by(|&a, &b| totals[a].total_cmp(&totals[b])).unwrap();
     assert_eq!(selection.kept_epoch, best + 1);
     assert_eq!(networks(&found).epochs.len(), best + 1);
     // A third of one drive of two minutes.
-    assert!(
-        (40..60).contains(&selection.quality.rows),
-        "{}",
-        selection.quality.rows
-    );
+    assert!((40..60).contains(&selection.quality.rows), "{}", selection.quality.rows);
     assert!(networks(&found).quality.rows == networks(&found).rows);
     let speed = [selection.networks, selection.own_means].map(|h| h.speed_mps.unwrap());
     assert!(speed.iter().all(|e| (0.0..20.0).contains(e)), "{speed:?}");
@@ -240,11 +196,7 @@ fn people_are_kept_back_and_the_networks_that_drive_learn_from_them_too() {
     assert_eq!(plain.embeddings, found.embeddings);
     assert_eq!(networks(&plain).selection, None);
     // Nobody can be kept back of two.
-    let two = run(
-        &training(&drives[..2]),
-        &quick(|s| s.validation_fraction = 0.5),
-    )
-    .unwrap();
+    let two = run(&training(&drives[..2]), &quick(|s| s.validation_fraction = 0.5)).unwrap();
     assert_eq!(networks(&two).selection, None);
 }
 
@@ -277,10 +229,7 @@ fn the_bound_says_something_under_both_readings_of_m() {
         let of = |e: &EpochReport| e.losses.mutual_information_bound.unwrap();
         (of(&epochs[0]), of(&epochs[epochs.len() - 1]))
     };
-    for loss in [
-        MutualInformationLoss::MeanSquared,
-        MutualInformationLoss::GaussianLikelihood,
-    ] {
+    for loss in [MutualInformationLoss::MeanSquared, MutualInformationLoss::GaussianLikelihood] {
         let (first, last) = bound(loss);
         // It grows from about nothing to what tells drivers apart.
         assert!(first < last && last > 0.3, "{loss:?}: {first} {last}");
@@ -295,27 +244,12 @@ fn drives_that_cannot_be_used_are_refused_or_counted() {
     let params = quick(|s| s.epochs = 1);
     let mut given = training(&drives);
     given.push(given[0]);
-    assert!(matches!(
-        run(&given, &params),
-        Err(ModelError::DuplicateDrive { .. })
-    ));
-    assert!(matches!(
-        run(&[], &params),
-        Err(ModelError::NoDrives { given: 0, .. })
-    ));
-    let trained = run(
-        &[
-            training(&drives)[1],
-            training(std::slice::from_ref(&short))[0],
-        ],
-        &params,
-    )
-    .unwrap();
+    assert!(matches!(run(&given, &params), Err(ModelError::DuplicateDrive { .. })));
+    assert!(matches!(run(&[], &params), Err(ModelError::NoDrives { given: 0, .. })));
+    let trained =
+        run(&[training(&drives)[1], training(std::slice::from_ref(&short))[0]], &params).unwrap();
     assert_eq!(trained.report.drives, 1);
-    assert!(matches!(
-        trained.report.warnings[0],
-        ModelWarning::DriveLeftOut { .. }
-    ));
+    assert!(matches!(trained.report.warnings[0], ModelWarning::DriveLeftOut { .. }));
     let error = personalize(&trained.model, &short.0, None);
     assert!(matches!(error, Err(ModelError::DriveTooShort { .. })));
 }
@@ -330,11 +264,7 @@ fn training_stops_when_asked_to() {
     let mut seen = 0;
     let result = train(&training(&drives), &quick(|_| {}), 1, &mut |report| {
         seen = report.epoch;
-        if report.epoch == 3 {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        if report.epoch == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert_eq!(result.unwrap_err(), ModelError::Cancelled { epoch: 3 });
     assert_eq!(seen, 3);

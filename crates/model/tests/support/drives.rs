@@ -71,10 +71,7 @@ fn driven(
     let dt = 1.0 / rate_hz;
     let rows = (seconds * rate_hz) as usize;
     let (mut x, mut y, mut v) = (0.0_f64, 0.0_f64, habits.speed_mps);
-    let mut ego = EgoTrack {
-        length_m: 4.7,
-        ..EgoTrack::default()
-    };
+    let mut ego = EgoTrack { length_m: 4.7, ..EgoTrack::default() };
     let mut time_s = Vec::new();
     let mut leads: Vec<Lead> = Vec::new();
     let mut others = Vec::new();
@@ -114,11 +111,7 @@ fn driven(
         }
         if let Some((from, sign)) = moving {
             let share = (t - from) / 4.0;
-            y = if sign > 0.0 {
-                lane_step(share)
-            } else {
-                3.66 - lane_step(share)
-            };
+            y = if sign > 0.0 { lane_step(share) } else { 3.66 - lane_step(share) };
             if share >= 1.2 {
                 moving = None;
                 out = sign > 0.0;
@@ -174,16 +167,8 @@ pub(crate) fn drivers_apart(n: usize, seconds: f64) -> Vec<Scored> {
 
 fn drivers_of(n: usize, drive: impl Fn(&str, &Habits) -> Drive) -> Vec<Scored> {
     let of = |i: usize| {
-        let a = if n > 1 {
-            i as f64 / (n - 1) as f64
-        } else {
-            0.5
-        };
-        let habits = Habits {
-            speed_mps: 26.0 + 8.0 * a,
-            time_gap_s: 2.2 - 1.2 * a,
-            passes: true,
-        };
+        let a = if n > 1 { i as f64 / (n - 1) as f64 } else { 0.5 };
+        let habits = Habits { speed_mps: 26.0 + 8.0 * a, time_gap_s: 2.2 - 1.2 * a, passes: true };
         let drive = drive(&format!("P{i:02}"), &habits);
         (drive, ScoreRange::ADB.score(16.0 + 30.0 * a).unwrap())
     };

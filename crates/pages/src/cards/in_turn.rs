@@ -156,13 +156,7 @@ mod tests {
             p: Some(0.016),
             p_below: Some(1.0),
             difference: None,
-            beyond_speed: Some(Mean {
-                n,
-                mean: 0.4,
-                low: Some(-0.1),
-                high: Some(0.9),
-                dz: None,
-            }),
+            beyond_speed: Some(Mean { n, mean: 0.4, low: Some(-0.1), high: Some(0.9), dz: None }),
         };
         Order {
             asked: Asked {
@@ -170,11 +164,7 @@ mod tests {
                 lower: vec!["calm".parse().unwrap()],
             },
             chance: 0.5,
-            readings: vec![
-                read(By::Line, right),
-                read(By::Speed, 5),
-                read(By::TimeGap, 3),
-            ],
+            readings: vec![read(By::Line, right), read(By::Speed, 5), read(By::TimeGap, 3)],
             people: Vec::new(),
             permutations: 1000,
             uncounted: Vec::new(),
@@ -201,10 +191,7 @@ mod tests {
             said.contains("“sporty” above “calm”: 6 of 6") && said.contains("5 of 6 by mean speed"),
             "{said}"
         );
-        assert_eq!(
-            (cards[0].verdict.as_str(), cards[1].verdict.as_str()),
-            ("shown", "not shown")
-        );
+        assert_eq!((cards[0].verdict.as_str(), cards[1].verdict.as_str()), ("shown", "not shown"));
         assert_eq!(cards[0].see.as_deref(), Some("table-in-turn-order"));
     }
 

@@ -47,15 +47,10 @@ fn families(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, Repor
 }
 
 fn single(texts: &Texts, cell: &Cell, finding: &Finding) -> Result<Card, ReportError> {
-    let rates = cell
-        .tests
-        .iter()
-        .filter_map(|t| Some((t, t.rate.as_ref()?)));
+    let rates = cell.tests.iter().filter_map(|t| Some((t, t.rate.as_ref()?)));
     let tests: Vec<_> = rates.collect();
     let above = tests.iter().filter(|(_, rate)| rate.low > ALPHA).count();
-    let most = tests
-        .iter()
-        .max_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
+    let most = tests.iter().max_by(|a, b| a.1.estimate.total_cmp(&b.1.estimate));
     let values = context! {
         tests => tests.len(),
         above,

@@ -38,10 +38,7 @@ impl Validation<'_> {
     /// # Errors
     /// [`ReportError::Template`] for a text that asks for a value which is not given.
     pub fn cards(&self, findings: &[Finding]) -> Result<Vec<Card>, ReportError> {
-        let texts = Texts::read(
-            "validation.toml",
-            include_str!("../../texts/validation.toml"),
-        )?;
+        let texts = Texts::read("validation.toml", include_str!("../../texts/validation.toml"))?;
         let mut cards = Vec::new();
         for finding in findings {
             cards.extend(match finding.question {
@@ -185,11 +182,7 @@ mod tests {
 
     /// What the card says of a dial that turns so many of twelve drivers the right way upwards, and all of them downwards.
     fn answer(right: usize, models: usize) -> String {
-        let turned = |right: usize| Right {
-            n: 12,
-            right,
-            ..Right::default()
-        };
+        let turned = |right: usize| Right { n: 12, right, ..Right::default() };
         let dial = [Dial {
             title: "Mean velocity",
             aggressive: turned(right),

@@ -27,11 +27,7 @@ pub(super) fn document(
     references: &[Block],
 ) -> Result<Vec<u8>, ReportError> {
     let heading = |id: &str, name: &str, size: usize, level: usize| {
-        Style::new(id, StyleType::Paragraph)
-            .name(name)
-            .size(size)
-            .bold()
-            .outline_lvl(level)
+        Style::new(id, StyleType::Paragraph).name(name).size(size).bold().outline_lvl(level)
     };
     let mut document = Docx::new()
         .add_style(heading("Heading1", "heading 1", 32, 0))
@@ -56,9 +52,7 @@ pub(super) fn document(
     document.doc_props.core = properties(title, authors).into_bytes();
     document
         .pack(&mut bytes)
-        .map_err(|e| ReportError::Template {
-            reason: format!("manuscript.docx: {e}"),
-        })?;
+        .map_err(|e| ReportError::Template { reason: format!("manuscript.docx: {e}") })?;
     Ok(bytes.into_inner())
 }
 
@@ -88,26 +82,24 @@ fn paragraph_of(block: &Block) -> Paragraph {
 
 /// A paragraph of runs; of size 0 it has that of its style.
 fn marked(text: &str, size: usize) -> Paragraph {
-    markup::runs(text)
-        .into_iter()
-        .fold(Paragraph::new(), |paragraph, part| {
-            let mut run = Run::new().add_text(part.text);
-            if size > 0 {
-                run = run.size(size);
-            }
-            if part.italic {
-                run = run.italic();
-            }
-            let align = match part.level {
-                Level::Line => None,
-                Level::Lowered => Some(VertAlignType::SubScript),
-                Level::Raised => Some(VertAlignType::SuperScript),
-            };
-            if let Some(align) = align {
-                run.run_property = run.run_property.vert_align(align);
-            }
-            paragraph.add_run(run)
-        })
+    markup::runs(text).into_iter().fold(Paragraph::new(), |paragraph, part| {
+        let mut run = Run::new().add_text(part.text);
+        if size > 0 {
+            run = run.size(size);
+        }
+        if part.italic {
+            run = run.italic();
+        }
+        let align = match part.level {
+            Level::Line => None,
+            Level::Lowered => Some(VertAlignType::SubScript),
+            Level::Raised => Some(VertAlignType::SuperScript),
+        };
+        if let Some(align) = align {
+            run.run_property = run.run_property.vert_align(align);
+        }
+        paragraph.add_run(run)
+    })
 }
 
 fn table_of(table: &Table) -> docx_rs::Table {
@@ -135,10 +127,8 @@ mod tests {
         let table = Table::of("t", "Speed & *M*", [1.5])
             .right("*M*_{a}", |v| Cell::number(Some(*v), 2))
             .noted("A <note>.");
-        let texts = [
-            Block::Heading(1, "Method".to_owned()),
-            Block::Paragraph("*p* < .001".to_owned()),
-        ];
+        let texts =
+            [Block::Heading(1, "Method".to_owned()), Block::Paragraph("*p* < .001".to_owned())];
         let authors = ["A. Author".to_owned(), "B. Author".to_owned()];
         document(("Calm & sporty", &authors), &texts, &[&table], &[]).unwrap()
     }
@@ -168,9 +158,6 @@ mod tests {
         for part in ["Method", "Heading1", "1.50", "A <note>.", "subscript"] {
             assert!(read.contains(part), "{part} in {read}");
         }
-        assert!(
-            read.contains("\"width\": 5000") && read.contains("pct"),
-            "{read}"
-        );
+        assert!(read.contains("\"width\": 5000") && read.contains("pct"), "{read}");
     }
 }

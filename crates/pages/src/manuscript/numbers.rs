@@ -22,9 +22,8 @@ pub(crate) struct Named {
 
 /// Letters alone, each word with a large first letter; digits are spelled, and so are the signs between words if they are `told` apart.
 fn camel(text: &str, told: bool) -> String {
-    const DIGITS: [&str; 10] = [
-        "Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine",
-    ];
+    const DIGITS: [&str; 10] =
+        ["Zero", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine"];
     let mut out = String::new();
     let mut start = true;
     for sign in text.chars() {
@@ -118,11 +117,7 @@ pub(crate) fn tex(named: &[Named]) -> String {
     for number in named {
         let place = number.place.join("; ").replace(['\n', '\r'], " ");
         let shown = latex(&number.shown);
-        let _ = writeln!(
-            out,
-            "\\newcommand{{\\{}}}{{{shown}}} % {place}",
-            number.name
-        );
+        let _ = writeln!(out, "\\newcommand{{\\{}}}{{{shown}}} % {place}", number.name);
     }
     out
 }
@@ -136,11 +131,7 @@ pub(crate) fn csv(named: &[Named]) -> String {
         let [table, row, column] = n.place.each_ref().map(|p| field(p));
         let shown = field(&markup::plain(&n.shown));
         let unit = field(&n.unit);
-        let _ = write!(
-            out,
-            "{},{value},{shown},{table},{row},{column},{unit}\r\n",
-            n.name
-        );
+        let _ = write!(out, "{},{value},{shown},{table},{row},{column},{unit}\r\n", n.name);
     }
     out
 }

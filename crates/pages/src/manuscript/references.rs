@@ -36,18 +36,11 @@ impl<'a> Parts<'a> {
         }
         let author = |pair: &[&str]| {
             let surname = pair[0].trim_start_matches("& ");
-            pair[1]
-                .ends_with('.')
-                .then(|| format!("{surname}, {}", pair[1]))
+            pair[1].ends_with('.').then(|| format!("{surname}, {}", pair[1]))
         };
         let authors = pairs.map(author).collect::<Option<Vec<_>>>()?;
         let (title, place) = rest.trim_end_matches('.').rsplit_once(". ")?;
-        Some(Self {
-            authors,
-            year,
-            title,
-            place: article(place).ok_or(place),
-        })
+        Some(Self { authors, year, title, place: article(place).ok_or(place) })
     }
 }
 
@@ -88,11 +81,7 @@ pub(super) fn bib(references: &[Reference]) -> String {
                 (kind, fields)
             }
         };
-        format!(
-            "@{kind}{{{},\n{}\n}}\n\n",
-            reference.key,
-            fields.join(",\n")
-        )
+        format!("@{kind}{{{},\n{}\n}}\n\n", reference.key, fields.join(",\n"))
     };
     references.iter().map(entry).collect()
 }
@@ -104,10 +93,7 @@ pub(super) fn listed(references: &[Reference]) -> Vec<Block> {
     texts.dedup();
     let heading = Block::Heading(2, "References".to_owned());
     let heading = (!texts.is_empty()).then_some(heading);
-    heading
-        .into_iter()
-        .chain(texts.into_iter().map(plainly))
-        .collect()
+    heading.into_iter().chain(texts.into_iter().map(plainly)).collect()
 }
 
 /// What makes LaTeX list them.
@@ -153,10 +139,7 @@ mod tests {
             "{bib}"
         );
         let bib = entry("A & B_1 (50 %) {x}");
-        assert!(
-            bib.contains("note = {A \\& B\\_1 (50 \\%) \\{x\\}}"),
-            "{bib}"
-        );
+        assert!(bib.contains("note = {A \\& B\\_1 (50 \\%) \\{x\\}}"), "{bib}");
         assert!(
             !entry("Schrum, M., & Best, A. MAVERIC: an approach (unpublished).").contains("author")
         );

@@ -49,11 +49,7 @@ const MOST_WITH_ALL_PAIRS: usize = 4;
 
 /// What was measured with its unit; of an answer what its scale is.
 pub(super) fn amount(panel: &Panel, unit: &str) -> String {
-    if panel.measured || unit.is_empty() {
-        with_unit(&panel.title, unit)
-    } else {
-        capital(unit)
-    }
+    if panel.measured || unit.is_empty() { with_unit(&panel.title, unit) } else { capital(unit) }
 }
 
 /// The ends of the scale; of what was measured those that its values show.
@@ -101,11 +97,8 @@ impl StudyPage<'_> {
         let mut figures = Vec::new();
         if !drawn.is_empty() {
             let panels = drawn.iter().map(|p| self.panel(p));
-            let panels = DifferencePanels {
-                panels: panels.collect::<Result<_, _>>()?,
-                from,
-                part: None,
-            };
+            let panels =
+                DifferencePanels { panels: panels.collect::<Result<_, _>>()?, from, part: None };
             for part in panels.parts() {
                 figures.push(difference_panels(&part, self.context)?);
             }
@@ -126,9 +119,7 @@ impl StudyPage<'_> {
         }
         tables.extend(self.accuracy()?);
         let values = context! { from => from.map(|id| id.to_string()), drawn => drawn.len() };
-        self.texts
-            .with(&values)
-            .section("conditions", figures, tables)
+        self.texts.with(&values).section("conditions", figures, tables)
     }
 
     fn descriptives(&self) -> Result<Table, ReportError> {
@@ -165,10 +156,7 @@ impl StudyPage<'_> {
     fn contrasts(&self) -> Result<Option<Table>, ReportError> {
         let panels = self.analysis.panels.iter();
         let rows = panels.flat_map(|panel| {
-            panel
-                .contrasts
-                .iter()
-                .map(move |pair| contrast(self.analysis, panel, pair))
+            panel.contrasts.iter().map(move |pair| contrast(self.analysis, panel, pair))
         });
         let rows: Vec<Value> = rows.collect();
         self.texts.table_if_any("contrasts", rows)
@@ -229,9 +217,7 @@ impl StudyPage<'_> {
             conditions: panel.conditions.clone(),
             rows: panel.rows.clone(),
             omnibus: omnibus(self.design, panel, true),
-            pairs: brackets
-                .filter_map(|c| bracket(&panel.conditions, c))
-                .collect(),
+            pairs: brackets.filter_map(|c| bracket(&panel.conditions, c)).collect(),
             reference: panel.same,
             range: ends(panel),
             of_group: panel.group.is_some(),
@@ -280,10 +266,7 @@ mod tests {
         // Sporty lies higher.
         assert_eq!(drawn(&contrast([calm, sporty], -0.69)), Some(0.69));
         assert_eq!(drawn(&contrast([sporty, calm], 0.69)), Some(0.69));
-        let untested = Contrast {
-            p_holm: None,
-            ..contrast([calm, sporty], 1.0)
-        };
+        let untested = Contrast { p_holm: None, ..contrast([calm, sporty], 1.0) };
         assert!(bracket(&[calm, sporty], &untested).is_none());
     }
 }

@@ -41,10 +41,8 @@ impl StudyPage<'_> {
             lacking => self.without_factors(),
             covariates => self.design.covariates().len(),
         };
-        let input = Interaction {
-            panels,
-            intervals: self.texts.with(&values).text("interaction")?,
-        };
+        let input =
+            Interaction { panels, intervals: self.texts.with(&values).text("interaction")? };
         interaction(&input, self.context).map(Some)
     }
 
@@ -88,9 +86,8 @@ impl StudyPage<'_> {
     /// A panel of two factors; with further factors one for each combination of their levels.
     fn interaction_panels(&self, panel: &Panel, by_factor: &ByFactor) -> Vec<InteractionPanel> {
         let (x, line) = axes(&by_factor.factors);
-        let others: Vec<usize> = (0..by_factor.factors.len())
-            .filter(|f| *f != x && *f != line)
-            .collect();
+        let others: Vec<usize> =
+            (0..by_factor.factors.len()).filter(|f| *f != x && *f != line).collect();
         let whole = |mean: &&LevelMean| mean.levels.len() == by_factor.factors.len();
         let cells: Vec<&LevelMean> = by_factor.means.iter().filter(whole).collect();
         let mut splits: Vec<Vec<&str>> = Vec::new();
@@ -184,9 +181,8 @@ impl StudyPage<'_> {
             _ => by_factor.factors.iter().map(|f| f.name.as_str()).collect(),
         };
         let levels = names.into_iter().zip(&mean.levels);
-        let level: Vec<String> = levels
-            .map(|(name, level)| self.design.level_label(name, level))
-            .collect();
+        let level: Vec<String> =
+            levels.map(|(name, level)| self.design.level_label(name, level)).collect();
         // As the figure draws it: an interval may reach beyond the scale, and says nothing there.
         let scale = ends(panel);
         let cut = |end: f64| scale.map_or(end, |(low, high)| end.clamp(low, high));
@@ -272,11 +268,6 @@ impl StudyPage<'_> {
 /// The factor along the axis, and that with a line a level: those within people first, the one with more levels along the axis.
 fn axes(factors: &[TestedFactor]) -> (usize, usize) {
     let mut places: Vec<usize> = (0..factors.len()).collect();
-    places.sort_by_key(|f| {
-        (
-            !factors[*f].within,
-            std::cmp::Reverse(factors[*f].levels.len()),
-        )
-    });
+    places.sort_by_key(|f| (!factors[*f].within, std::cmp::Reverse(factors[*f].levels.len())));
     (places[0], places[1])
 }

@@ -36,10 +36,7 @@ fn ratio(test: &RatioTest) -> Value {
 fn congruence_row(row: &CongruenceRow) -> Value {
     let model = row.model.as_ref();
     let curvature = model.and_then(|m| m.coef.get("moved^2"));
-    let (turn, movement) = (
-        model.map(|m| ratio(&m.turn)),
-        model.map(|m| ratio(&m.movement)),
-    );
+    let (turn, movement) = (model.map(|m| ratio(&m.turn)), model.map(|m| ratio(&m.movement)));
     context! { curvature => value(&curvature), turn, movement, ..value(row) }
 }
 
@@ -56,11 +53,7 @@ fn curve(row: &CongruenceRow, curve: &CongruenceCurve) -> CongruenceLine {
     let best = Some(-slope / (2.0 * bend)).filter(|moved| is_top && is_met(moved));
     CongruenceLine {
         own: curve.own,
-        points: if step > 0.0 {
-            met.map(point).collect()
-        } else {
-            vec![point(low)]
-        },
+        points: if step > 0.0 { met.map(point).collect() } else { vec![point(low)] },
         at_own: Some(level).filter(|_| is_met(&0.0)),
         best: best.map(point),
     }
@@ -250,9 +243,7 @@ impl StudyPage<'_> {
         };
         let mut table = self.texts.table("mixed", fitted.iter().map(row))?;
         for row in fitted.iter().filter(|row| row.why_not.is_some()) {
-            table
-                .notes
-                .push(self.texts.with(row).text("mixed_without")?);
+            table.notes.push(self.texts.with(row).text("mixed_without")?);
         }
         Ok(Some(table))
     }
@@ -350,15 +341,10 @@ mod tests {
     #[test]
     fn a_region_is_shown_with_its_ends_or_says_that_it_has_none() {
         let texts = PageTexts::new(STUDY, &context! { style => "ADB score", digits => 0 }).unwrap();
-        let unfitted = CongruenceRow {
-            model: None,
-            why_not: Some("too few".to_owned()),
-            ..row(0.05)
-        };
+        let unfitted =
+            CongruenceRow { model: None, why_not: Some("too few".to_owned()), ..row(0.05) };
         let rows = [row(0.05), row(0.0), unfitted];
-        let table = texts
-            .table("congruence", rows.iter().map(congruence_row))
-            .unwrap();
+        let table = texts.table("congruence", rows.iter().map(congruence_row)).unwrap();
         let shown = format!("{table:?}");
         for text in ["top", " to ", "anywhere", "±5 points", "5 places"] {
             assert!(shown.contains(text), "{text}: {shown}");
@@ -386,18 +372,10 @@ mod tests {
             let table = texts.table("congruence", rows.iter().map(congruence_row));
             format!("{:?}", table.unwrap())
         };
-        for (same, said) in [
-            (Some(4.0), "counted from 4 (“as I do”)"),
-            (None, "of themselves"),
-        ] {
+        for (same, said) in [(Some(4.0), "counted from 4 (“as I do”)"), (None, "of themselves")]
+        {
             let shown = shown(same);
-            for text in [
-                "perceived",
-                "driven",
-                "Perceived aggressiveness",
-                "±0.75",
-                said,
-            ] {
+            for text in ["perceived", "driven", "Perceived aggressiveness", "±0.75", said] {
                 assert!(shown.contains(text), "{text}: {shown}");
             }
         }

@@ -76,9 +76,7 @@ pub fn line_panels(line: &Line) -> AggressionLine {
         statistic: correlation(&row.correlation),
     };
     let drawn = line.rows.iter().filter(|r| !r.points.is_empty());
-    AggressionLine {
-        panels: drawn.map(panel).collect(),
-    }
+    AggressionLine { panels: drawn.map(panel).collect() }
 }
 
 #[cfg(test)]

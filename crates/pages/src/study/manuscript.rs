@@ -62,9 +62,7 @@ impl StudyPage<'_> {
                 }
                 _ => Vec::new(),
             };
-            let matching = paragraphs
-                .iter()
-                .filter(|(about, _)| abouts.contains(about));
+            let matching = paragraphs.iter().filter(|(about, _)| abouts.contains(about));
             below.extend(matching.map(|(_, text)| text.clone()));
             match heading {
                 "conditions" => below.extend(self.repeats()?.into_iter().flat_map(|s| s.intro)),
@@ -77,9 +75,7 @@ impl StudyPage<'_> {
                 methods.extend(below.into_iter().map(Block::Paragraph));
             }
         }
-        let of_scale = asked_scales
-            .iter()
-            .map(|s| (s.id.clone(), s.reference.clone()));
+        let of_scale = asked_scales.iter().map(|s| (s.id.clone(), s.reference.clone()));
         let of_tests = self.cited_tests()?;
         let manuscript = Manuscript {
             title: self.design.title().to_owned(),
@@ -131,10 +127,8 @@ impl StudyPage<'_> {
             let label = self.design.factor_label(column);
             ("without_column", people, Some(label))
         });
-        let others = [
-            ("lacking", panel.lacking(), None),
-            ("unordered", panel.without_order.len(), None),
-        ];
+        let others =
+            [("lacking", panel.lacking(), None), ("unordered", panel.without_order.len(), None)];
         let parts = others.into_iter().chain(columns);
         parts
             .filter(|(_, people, _)| *people > 0)
@@ -199,10 +193,7 @@ impl StudyPage<'_> {
         let outcomes = panels.map(|p| (p.outcome.as_str(), p.title.as_str()));
         let reproduced = a.reproduction.iter().filter(|r| r.n > 0);
         let reproduced = reproduced.map(|r| (r.measure.as_str(), r.title.as_str()));
-        let kept = a
-            .kept
-            .iter()
-            .map(|k| (k.measure.as_str(), k.title.as_str()));
+        let kept = a.kept.iter().map(|k| (k.measure.as_str(), k.title.as_str()));
         let mut known: BTreeSet<&str> = BTreeSet::new();
         let mut definitions = Vec::new();
         for (id, title) in outcomes.chain(reproduced).chain(kept) {

@@ -53,10 +53,7 @@ impl StudyPage<'_> {
 
     pub(super) fn method_values(&self) -> Value {
         let (design, a) = (self.design, self.analysis);
-        let factors = design
-            .factors()
-            .iter()
-            .map(|f| design.factor_label(&f.name));
+        let factors = design.factors().iter().map(|f| design.factor_label(&f.name));
         let covariates = design.covariates().iter();
         let covariates = covariates.map(|c| design.factor_label(&c.column));
         let compared = || a.panels.iter().filter_map(|p| p.comparison.as_ref());
@@ -143,17 +140,12 @@ impl StudyPage<'_> {
             matching.map(|c| self.label(c.id)).collect()
         };
         let (by_car, recorded) = (labels(true), labels(false));
-        let texts = self
-            .methods
-            .with(&context! { by_car => by_car.clone(), recorded => recorded.clone() });
+        let texts =
+            self.methods.with(&context! { by_car => by_car.clone(), recorded => recorded.clone() });
         let asked = a.panels.iter().any(|p| !p.measured);
         let (mut did, mut of_some) = (Vec::new(), Vec::new());
         for (wanted, key, without) in [
-            (
-                self.design.baseline().is_some(),
-                "did_baseline",
-                a.without_baseline.len(),
-            ),
+            (self.design.baseline().is_some(), "did_baseline", a.without_baseline.len()),
             (!by_car.is_empty(), "did_ride", 0),
             (!recorded.is_empty(), "did_recorded", 0),
             (asked, "did_answer", a.without_answer.len()),
@@ -235,10 +227,7 @@ mod tests {
         assert!(!all.contains("nothing counts"), "{all}");
         let some = did(1);
         assert!(some.starts_with("The 24 participants"), "{some}");
-        assert!(
-            some.ends_with("; of 1 of them nothing counts in some condition."),
-            "{some}"
-        );
+        assert!(some.ends_with("; of 1 of them nothing counts in some condition."), "{some}");
     }
 
     #[test]
@@ -258,15 +247,9 @@ mod tests {
             of_tests(&used, &[])
         };
         let two = said(false, false);
-        assert!(
-            two.contains("they are not normal. ") && !two.contains("pairs"),
-            "{two}"
-        );
+        assert!(two.contains("they are not normal. ") && !two.contains("pairs"), "{two}");
         let howell = said(true, false);
-        assert!(
-            howell.contains("normal; pairs of groups after Games and Howell. "),
-            "{howell}"
-        );
+        assert!(howell.contains("normal; pairs of groups after Games and Howell. "), "{howell}");
         let both = said(true, true);
         assert!(
             both.contains("after Games and Howell, or by Dunn’s test, *p* adjusted after Holm"),
@@ -280,10 +263,7 @@ mod tests {
         let ordinal = of_tests(&context! { ordinal => true }, &[]);
         assert!(!ordinal.contains("without bound"), "{ordinal}");
         let floor = of_tests(&context! { ordinal => true, unbounded => true }, &[]);
-        assert!(
-            floor.contains("without bound, by the likelihood ratio"),
-            "{floor}"
-        );
+        assert!(floor.contains("without bound, by the likelihood ratio"), "{floor}");
     }
 
     #[test]
@@ -353,10 +333,7 @@ mod tests {
             !tests(false, true).contains("t tests") && tests(false, true).contains("signed ranks")
         );
         let both = tests(true, true);
-        assert!(
-            both.contains("paired t tests") && both.contains("signed ranks"),
-            "{both}"
-        );
+        assert!(both.contains("paired t tests") && both.contains("signed ranks"), "{both}");
         assert!(tests(false, false).starts_with("Compared are"));
     }
 
@@ -364,22 +341,13 @@ mod tests {
     fn what_results_rest_on_is_named_where_it_was_done_and_nowhere_else() {
         let plain = of_tests(&context! {}, &[]);
         for (used, said) in [
-            (
-                context! { equivalence => true },
-                "two one-sided *t* tests (Schuirmann)",
-            ),
+            (context! { equivalence => true }, "two one-sided *t* tests (Schuirmann)"),
             (context! { accuracy => true }, "1 − |car − person| / person"),
-            (
-                context! { nearer => true },
-                "signed ranks of the two distances",
-            ),
+            (context! { nearer => true }, "signed ranks of the two distances"),
             (context! { angle => true }, "cosine and sine"),
             (context! { shift => true }, "random intercept and slope"),
             (context! { normality => true }, "Shapiro and Wilk’s test"),
-            (
-                context! { own_error => true },
-                "Bell and McCaffrey’s degrees of freedom",
-            ),
+            (context! { own_error => true }, "Bell and McCaffrey’s degrees of freedom"),
         ] {
             assert!(!plain.contains(said), "{plain}");
             let told = of_tests(&used, &[]);
@@ -408,10 +376,7 @@ mod tests {
             let settings =
                 context! { window_s => 4.0, window_rate_hz => 2.5, batch_size => 8, patience };
             let networks = context! { epochs => vec![1, 2], rows => 10, selection => context! { people => 120 } };
-            said(
-                "learning",
-                &context! { training => context! { settings, networks, seed => 1 } },
-            )
+            said("learning", &context! { training => context! { settings, networks, seed => 1 } })
         };
         assert!(learned(0).contains("decided nothing"));
         assert!(learned(5).contains("was chosen on 120 people kept back"));
@@ -425,10 +390,7 @@ mod tests {
     #[test]
     fn what_some_did_alone_is_said_of_them_alone() {
         let some = said("did_some", &context! { n => 10, what => "drove by hand" });
-        assert_eq!(
-            some,
-            "As far as there are data, 10 of these people drove by hand."
-        );
+        assert_eq!(some, "As far as there are data, 10 of these people drove by hand.");
     }
 
     #[test]

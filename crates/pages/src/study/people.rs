@@ -89,9 +89,8 @@ impl StudyPage<'_> {
             *others.entry(word.as_str()).or_insert(0) += n;
         }
         let dial = self.design.style().map(|style| style.label.as_str());
-        let texts = self
-            .texts
-            .with(&context! { others, dial, synthetic => self.analysis.synthetic });
+        let texts =
+            self.texts.with(&context! { others, dial, synthetic => self.analysis.synthetic });
         texts.table("participants", groups)
     }
 
@@ -105,9 +104,7 @@ impl StudyPage<'_> {
         let days = versions.iter().any(|v| v.first_day.is_some());
         let mut agreed = versions.iter().map(|v| v.agreed);
         let few = agreed.any(|n| (1..FEWEST_AGREED).contains(&n));
-        let texts = self
-            .texts
-            .with(&context! { lends, days, few, fewest => FEWEST_AGREED });
+        let texts = self.texts.with(&context! { lends, days, few, fewest => FEWEST_AGREED });
         texts.table("consents", versions).map(Some)
     }
 
@@ -180,14 +177,9 @@ mod tests {
             ..maveric_analysis::Flow::default()
         };
         let counts = |rows: &[(&str, usize)]| -> Vec<(String, usize)> {
-            rows.iter()
-                .map(|(why, n)| ((*why).to_owned(), *n))
-                .collect()
+            rows.iter().map(|(why, n)| ((*why).to_owned(), *n)).collect()
         };
-        let expected = [
-            counts(&[("one answer", 1), ("no drive", 1)]),
-            counts(&[("sick", 2)]),
-        ];
+        let expected = [counts(&[("one answer", 1), ("no drive", 1)]), counts(&[("sick", 2)])];
         assert_eq!(who_left(&flow), expected);
         (flow.absent, flow.drove) = (Vec::new(), 6);
         assert!(who_left(&flow)[0].is_empty());

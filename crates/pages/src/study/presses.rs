@@ -44,10 +44,7 @@ impl StudyPage<'_> {
         let drawn = presses.course.iter().filter(varies);
         let panels: Vec<CoursePanel> = drawn.map(|c| course(presses, c)).collect();
         if !panels.is_empty() {
-            let input = PressCourses {
-                panels,
-                presses: presses.presses,
-            };
+            let input = PressCourses { panels, presses: presses.presses };
             figures.push(press_course(&input, self.context)?);
         }
         let mut tables = Vec::new();
@@ -100,9 +97,7 @@ fn course(presses: &Presses, course: &PressCourse) -> CoursePanel {
     let near_last = course.points.iter().rev();
     CoursePanel {
         title: course.title.clone(),
-        test: p.map_or_else(String::new, |p| {
-            maveric_stats::apa::p_holm(p).markup().to_owned()
-        }),
+        test: p.map_or_else(String::new, |p| maveric_stats::apa::p_holm(p).markup().to_owned()),
         axis: match course.unit.as_str() {
             "" => "Share of the time".to_owned(),
             unit => with_unit("Value", unit),

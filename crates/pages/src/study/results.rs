@@ -46,15 +46,9 @@ impl StudyPage<'_> {
         ));
         let judged = a.hypotheses.iter();
         let judged = judged.map(|h| context! { ..in_unit_of(a, &h.outcome), ..value(h) });
-        blocks.extend(headed(
-            self.results.text("hypotheses")?,
-            self.each("hypothesis", judged)?,
-        ));
+        blocks.extend(headed(self.results.text("hypotheses")?, self.each("hypothesis", judged)?));
         for panel in &a.panels {
-            blocks.extend(headed(
-                markup::literal(&titled(panel)),
-                self.outcome(panel)?,
-            ));
+            blocks.extend(headed(markup::literal(&titled(panel)), self.outcome(panel)?));
         }
         let reproduced = || a.reproduction.iter().filter(|r| r.n > 0);
         if let Some(first) = reproduced().next() {
@@ -110,15 +104,12 @@ impl StudyPage<'_> {
     fn outcome(&self, panel: &Panel) -> Result<Vec<String>, ReportError> {
         let together = |sentences: Vec<String>, key: &str| {
             let values = (!sentences.is_empty()).then(|| context! { all => sentences });
-            values
-                .map(|values| self.results.with(&values).text(key))
-                .transpose()
+            values.map(|values| self.results.with(&values).text(key)).transpose()
         };
         let mut paragraphs = Vec::new();
         let descriptives = self.analysis.descriptives.iter();
-        let described: Vec<&Described> = descriptives
-            .filter(|d| d.outcome == panel.outcome && d.n > 0)
-            .collect();
+        let described: Vec<&Described> =
+            descriptives.filter(|d| d.outcome == panel.outcome && d.n > 0).collect();
         // What was measured is described over everybody.
         if panel.group.is_none() && !described.is_empty() {
             let numbers = in_unit_of(self.analysis, &panel.outcome);
@@ -137,10 +128,8 @@ impl StudyPage<'_> {
         // Of nobody with both values there is nothing to tell.
         let pairs = panel.contrasts.iter();
         let pairs = pairs.filter(|pair| pair.mean_difference.is_some() || pair.p.is_some());
-        let sentences = self.each(
-            "contrast",
-            pairs.map(|pair| contrast(self.analysis, panel, pair)),
-        )?;
+        let sentences =
+            self.each("contrast", pairs.map(|pair| contrast(self.analysis, panel, pair)))?;
         paragraphs.extend(together(sentences, "contrasts")?);
         Ok(paragraphs)
     }
@@ -196,10 +185,7 @@ mod tests {
         assert_eq!(markup::plain(&pair), "in*town − rural, z = 2.41");
         let all = texts.with(&context! { all => vec![pair.clone(), pair] });
         let all = all.text("group_pairs").unwrap();
-        assert!(
-            all.starts_with("Pairs of groups: ") && all.contains("; "),
-            "{all}"
-        );
+        assert!(all.starts_with("Pairs of groups: ") && all.contains("; "), "{all}");
     }
 
     #[test]
@@ -230,10 +216,7 @@ mod tests {
         // Of ordered answers p is of the odds, which stand in the place of an interval of the difference.
         let odds = context! { ratio => 3.0, interval => vec![2.0, 4.5] };
         let ordered = said_of(Some(odds), "shown", None, false);
-        assert!(
-            ordered.contains("*M* = 2.00, odds ratio 3.00, 95% CI"),
-            "{ordered}"
-        );
+        assert!(ordered.contains("*M* = 2.00, odds ratio 3.00, 95% CI"), "{ordered}");
         assert!(!ordered.contains("2.50"), "{ordered}");
     }
 
@@ -261,9 +244,7 @@ mod tests {
         let texts = PageTexts::new(RESULTS, &context! {}).unwrap();
         let texts = texts.labelled(&design);
         let ridden = |events| Exposed { events, time: 10.0 };
-        let rows: Vec<Vec<Exposed>> = (0..12)
-            .map(|i| vec![ridden(1), ridden(4 + i % 3)])
-            .collect();
+        let rows: Vec<Vec<Exposed>> = (0..12).map(|i| vec![ridden(1), ridden(4 + i % 3)]).collect();
         let names = ["calm".to_owned(), "sporty".to_owned()];
         let strata: Vec<CaseStratum> = (0..12)
             .map(|i| CaseStratum {
@@ -301,11 +282,7 @@ mod tests {
             "{}",
             said[1]
         );
-        let nothing = Presses {
-            rates: None,
-            before: Vec::new(),
-            ..presses
-        };
+        let nothing = Presses { rates: None, before: Vec::new(), ..presses };
         assert!(pressed(&texts, &nothing).unwrap().is_empty());
     }
 }

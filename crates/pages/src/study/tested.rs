@@ -110,10 +110,7 @@ pub(super) fn tested(design: &Design, panel: &Panel) -> Vec<Tested> {
         }
         Some(found) => return alone(found.one_factor().map_or_else(Numbers::default, of_one)),
     };
-    let sentences = panel
-        .comparison
-        .as_ref()
-        .map_or_else(Vec::new, Statements::statements);
+    let sentences = panel.comparison.as_ref().map_or_else(Vec::new, Statements::statements);
     let several = effects.len() > 1;
     let rows = effects.into_iter().filter_map(|(name, numbers)| {
         let (_, said) = sentences.iter().find(|(said, _)| *said == name)?;
@@ -159,10 +156,8 @@ fn of_one(found: &maveric_stats::Comparison) -> Numbers {
 fn of_factors(found: &FactorialFinding) -> Vec<(String, Numbers)> {
     let test = |(name, test): (&str, &maveric_stats::EffectTest)| {
         // Only F over a stratum has a partial eta squared.
-        let strata = matches!(
-            test.method,
-            EffectMethod::Strata | EffectMethod::StrataGreenhouseGeisser
-        );
+        let strata =
+            matches!(test.method, EffectMethod::Strata | EffectMethod::StrataGreenhouseGeisser);
         let size = found.anova.anova.get(name).filter(|_| strata);
         let numbers = Numbers {
             test: Some(match (test.df1, test.df2) {

@@ -47,9 +47,7 @@ fn a_share_of_the_drive_before_is_left_in_the_next_rating_and_none_in_the_first(
             study.scores(Moment::After(of.into()), "aggressiveness", "aggressiveness")
         };
         let pairs = rated(&with).into_iter().zip(rated(&without));
-        pairs
-            .map(|(with, without)| with - without)
-            .collect::<Vec<f64>>()
+        pairs.map(|(with, without)| with - without).collect::<Vec<f64>>()
     };
     let (mut first, mut after) = (Vec::new(), BTreeMap::new());
     for condition in conditions {
@@ -107,21 +105,10 @@ fn the_papers_correlations_come_out_with_their_signs() {
             let r = sign * mean_r(&studies, conscientious, other, outcome);
             assert!((-0.75..-0.15).contains(&r), "{other} {subscale}: {r}");
         }
-        let r = sign
-            * mean_r(
-                &studies,
-                ("mdsi", "high_velocity"),
-                id("aggressive"),
-                outcome,
-            );
+        let r = sign * mean_r(&studies, ("mdsi", "high_velocity"), id("aggressive"), outcome);
         assert!((-0.75..-0.15).contains(&r), "high velocity {subscale}: {r}");
     }
-    let r = mean_r(
-        &studies,
-        ("mini_ipip", "openness"),
-        id("aggressive"),
-        ("rosas", "discomfort"),
-    );
+    let r = mean_r(&studies, ("mini_ipip", "openness"), id("aggressive"), ("rosas", "discomfort"));
     assert!((0.1..0.6).contains(&r), "openness: {r}");
     for (scale, subscale, sign) in OUTCOMES {
         let over_conditions = |s: &TestStudy, scale: &str, subscale: &str| -> Vec<f64> {
@@ -166,10 +153,7 @@ fn without_effects_ratings_know_nothing_of_condition_trait_or_similarity() {
     // 3.3 standard errors of r, and of a mean difference.
     let bound = 3.3 / 600_f64.sqrt();
     let scales = OUTCOMES.iter().map(|(s, d, _)| (*s, *d));
-    let scales = scales.chain([
-        ("similarity", "similarity"),
-        ("aggressiveness", "aggressiveness"),
-    ]);
+    let scales = scales.chain([("similarity", "similarity"), ("aggressiveness", "aggressiveness")]);
     for (scale, subscale) in scales {
         for other in [id("cautious"), id("aggressive"), id("perpendicular")] {
             let d = study.mimic_minus(other, scale, subscale);
@@ -196,11 +180,7 @@ fn without_effects_ratings_know_nothing_of_condition_trait_or_similarity() {
 
 fn one_trial(
     values: MeasureValues,
-) -> (
-    Participant,
-    MeasureValues,
-    Vec<(ConditionId, MeasureValues)>,
-) {
+) -> (Participant, MeasureValues, Vec<(ConditionId, MeasureValues)>) {
     let study = TestStudy::run(2, 1, &effects());
     let participant = study.cohort.participants[0].clone();
     let own = own_measures(&participant.id, 1);
@@ -218,23 +198,10 @@ fn a_drive_without_merge_back_is_judged_by_the_rest_and_said_so() {
     let mut values = own.clone();
     values.insert("headway_merge_back_m".to_owned(), None);
     let trials = [(id("mimic"), values)];
-    let rated = rate(
-        &participant,
-        &own,
-        &trials,
-        &units(),
-        &scales(),
-        &effects(),
-        1,
-    )
-    .unwrap();
+    let rated = rate(&participant, &own, &trials, &units(), &scales(), &effects(), 1).unwrap();
     assert_eq!(rated.answers.len(), 12 + 12 + 5 + 4 + 4);
     assert_eq!(rated.warnings.len(), 1);
-    assert!(
-        rated.warnings[0]
-            .to_string()
-            .ends_with("was rated without headway_merge_back_m")
-    );
+    assert!(rated.warnings[0].to_string().ends_with("was rated without headway_merge_back_m"));
 }
 
 #[test]
@@ -244,17 +211,7 @@ fn one_trial_does_not_change_another() {
     let own = own_measures(&participant.id, 1);
     let all = trials(&own, &participant.id, 1);
     let run = |trials: &[(ConditionId, MeasureValues)]| {
-        rate(
-            participant,
-            &own,
-            trials,
-            &units(),
-            &scales(),
-            &effects(),
-            1,
-        )
-        .unwrap()
-        .answers
+        rate(participant, &own, trials, &units(), &scales(), &effects(), 1).unwrap().answers
     };
     assert_eq!(run(&all)[..37], run(&all[..1])[..]);
 }
@@ -264,17 +221,9 @@ fn impossible_trials_are_refused() {
     let (participant, own, mut trials) = one_trial(MeasureValues::new());
     trials.push(trials[0].clone());
     let said = |trials: &[(ConditionId, MeasureValues)]| {
-        rate(
-            &participant,
-            &own,
-            trials,
-            &units(),
-            &scales(),
-            &effects(),
-            1,
-        )
-        .unwrap_err()
-        .to_string()
+        rate(&participant, &own, trials, &units(), &scales(), &effects(), 1)
+            .unwrap_err()
+            .to_string()
     };
     assert!(said(&trials).contains("mimic is given twice"));
     assert!(said(&[(id("own"), own.clone())]).contains("own is none that they sat through"));

@@ -41,13 +41,8 @@ impl Workshop<'_> {
             self.keep_summary(stage, summary)?;
         }
         let made_from = now.made_from.clone();
-        let record = self.record_of(
-            stage,
-            made_from,
-            cached.seconds,
-            cached.peak_memory,
-            cached.outputs,
-        )?;
+        let record =
+            self.record_of(stage, made_from, cached.seconds, cached.peak_memory, cached.outputs)?;
         self.ledger().finish(stage, record)?;
         Ok(true)
     }
@@ -82,11 +77,8 @@ impl Workshop<'_> {
         let (seconds, peak) = ((run.seconds * 1e3).round() / 1e3, run.peak_memory);
         let record = self.record_of(stage, run.made_from, seconds, peak, outputs)?;
         if let Some(cache) = &self.cache {
-            let ran = Ran {
-                seconds,
-                peak_memory: peak,
-                summary: stage.summary.then_some(run.stdout),
-            };
+            let ran =
+                Ran { seconds, peak_memory: peak, summary: stage.summary.then_some(run.stdout) };
             let (root, hasher) = (&self.place.root, &self.hasher);
             let kept = cache.keep(stage, &record.digest, &record.outputs, &ran, root, hasher);
             match kept {
@@ -106,10 +98,7 @@ impl Workshop<'_> {
         let is_folder = |path: &&String| self.place.root.join(path).is_dir();
         let folder = paths.iter().find(is_folder);
         let newest = folder.map(|path| self.hasher.newest(path)).transpose()?;
-        Ok(FailureCause::InputsChanged {
-            newest: newest.flatten(),
-            paths,
-        })
+        Ok(FailureCause::InputsChanged { newest: newest.flatten(), paths })
     }
 
     fn record_of(
@@ -199,10 +188,7 @@ impl Workshop<'_> {
             let target = |above: &str| fs::read_link(self.place.root.join(above)).ok();
             let link = with_ancestors(path).find_map(|above| Some((above, target(above)?)));
             if let Some((link, target)) = link
-                && self
-                    .hasher
-                    .content(path)?
-                    .is_some_and(|there| there != *made)
+                && self.hasher.content(path)?.is_some_and(|there| there != *made)
             {
                 let (path, link) = (path.clone(), link.to_owned());
                 return Ok(Some(FailureCause::BehindLink { path, link, target }));

@@ -59,19 +59,13 @@ mod tests {
             made: made.to_vec(),
         };
         assert_eq!(Ending::parse("1 3\n"), Some(ending(1, None, &[])));
-        assert_eq!(
-            Ending::parse("126 3 way\n"),
-            Some(ending(126, Some("way"), &[]))
-        );
+        assert_eq!(Ending::parse("126 3 way\n"), Some(ending(126, Some("way"), &[])));
         let text = "0 3\n12 1700000001.25\n4 1700000000.0000000000\n";
         let made = [(4, 1_700_000_000), (12, 1_700_000_001)];
         assert_eq!(Ending::parse(text), Some(ending(0, None, &made)));
-        for (text, moved_nothing) in [
-            ("0 3\n", false),
-            ("126 3 half\n", false),
-            ("126 3 way\n", true),
-            ("1 3\n", true),
-        ] {
+        for (text, moved_nothing) in
+            [("0 3\n", false), ("126 3 half\n", false), ("126 3 way\n", true), ("1 3\n", true)]
+        {
             let ending = Ending::parse(text).unwrap();
             assert_eq!(ending.has_moved_nothing(), moved_nothing, "{text}");
         }

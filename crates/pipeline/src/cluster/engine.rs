@@ -79,11 +79,7 @@ pub(super) fn submit(
             // the first step of the last.
             if group.is_beside(tasks) {
                 after.insert(format!("aftercorr:{job}"));
-            } else if group
-                .after
-                .iter()
-                .any(|a| a.range(tasks.clone()).next().is_some())
-            {
+            } else if group.after.iter().any(|a| a.range(tasks.clone()).next().is_some()) {
                 after.insert(format!("afterok:{job}"));
             }
         }
@@ -136,10 +132,7 @@ fn sbatch(
     if job.is_empty() || !job.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(PipelineError::Engine {
             command: "sbatch".to_owned(),
-            message: format!(
-                "it printed `{}` where a job's number was expected",
-                printed.trim()
-            ),
+            message: format!("it printed `{}` where a job's number was expected", printed.trim()),
         });
     }
     Ok(job.to_owned())
@@ -159,14 +152,10 @@ fn submit_hq(
     let printed = output(command.arg(&plan))?;
     let id = serde_json::from_str::<Value>(&printed);
     let id = id.ok().and_then(|answer| answer["id"].as_u64());
-    id.map(|id| id.to_string())
-        .ok_or_else(|| PipelineError::Engine {
-            command: "hq job submit-file".to_owned(),
-            message: format!(
-                "it printed `{}` where {{\"id\": NUMBER}} was expected",
-                printed.trim()
-            ),
-        })
+    id.map(|id| id.to_string()).ok_or_else(|| PipelineError::Engine {
+        command: "hq job submit-file".to_owned(),
+        message: format!("it printed `{}` where {{\"id\": NUMBER}} was expected", printed.trim()),
+    })
 }
 
 /// HyperQueue's job file.
@@ -243,9 +232,7 @@ pub(super) fn last_state(engine: Executor, task: &str) -> String {
     let accounted = accounted.filter(|state| is_final(state));
     let controlled = || {
         let text = text_of("scontrol", &["-o", "show", "job", task])?;
-        let state = text
-            .split_whitespace()
-            .find_map(|word| word.strip_prefix("JobState="))?;
+        let state = text.split_whitespace().find_map(|word| word.strip_prefix("JobState="))?;
         Some(state.to_owned())
     };
     let controlled = || controlled().filter(|state| is_final(state));
@@ -284,11 +271,7 @@ fn job_info_hq(job: &str) -> Result<Value, PipelineError> {
 fn last_state_hq(job: &str, number: &str) -> Option<String> {
     let answer = job_info_hq(job).ok()?;
     let mut tasks = answer[0]["tasks"].as_array()?.iter();
-    let task = tasks.find(|task| {
-        task["id"]
-            .as_u64()
-            .is_some_and(|id| id.to_string() == number)
-    })?;
+    let task = tasks.find(|task| task["id"].as_u64().is_some_and(|id| id.to_string() == number))?;
     let state = task["state"].as_str()?;
     Some(match task["error"].as_str() {
         Some(error) => format!("{state}: {}", error.trim()),
@@ -308,14 +291,9 @@ pub(super) fn cancel(engine: Executor, jobs: &BTreeSet<String>) {
 
 fn output(command: &mut Command) -> Result<String, PipelineError> {
     let program = command.get_program().to_string_lossy().into_owned();
-    let failed = |message: String| PipelineError::Engine {
-        command: program.clone(),
-        message,
-    };
+    let failed = |message: String| PipelineError::Engine { command: program.clone(), message };
     crate::executor::set_apart(command);
-    let output = command
-        .output()
-        .map_err(|error| failed(error.to_string()))?;
+    let output = command.output().map_err(|error| failed(error.to_string()))?;
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
         return Err(failed(format!("{} ({})", message, output.status)));
@@ -332,11 +310,7 @@ mod tests {
         let group = |name: &str, tasks, after: &[u32]| Group {
             name: name.to_owned(),
             tasks,
-            resources: Resources {
-                cpus: Some(2),
-                memory_mb: Some(300),
-                minutes: Some(5),
-            },
+            resources: Resources { cpus: Some(2), memory_mb: Some(300), minutes: Some(5) },
             retries: 1,
             after_jobs: BTreeSet::new(),
             after: vec![after.iter().copied().collect(); 2],
@@ -351,10 +325,7 @@ mod tests {
         assert_eq!(tasks[0]["time_limit"].as_str(), Some("10m"));
         let resources = &tasks[0]["request"][0]["resources"];
         assert_eq!(resources["mem"].as_integer(), Some(300));
-        assert_eq!(
-            tasks[0]["request"][0]["resources"]["cpus"].as_integer(),
-            Some(2)
-        );
+        assert_eq!(tasks[0]["request"][0]["resources"]["cpus"].as_integer(), Some(2));
     }
 
     #[test]

@@ -100,11 +100,7 @@ impl<'a> Follower<'a> {
             if schedule.interrupted || !self.standing.contains(&Standing::OnCluster) {
                 return self.tidy_up();
             }
-            pause = if moved {
-                LOOKS[0]
-            } else {
-                pause.mul_f64(1.3).min(LOOKS[1])
-            };
+            pause = if moved { LOOKS[0] } else { pause.mul_f64(1.3).min(LOOKS[1]) };
             let until = Instant::now() + pause;
             while Instant::now() < until {
                 if self.options.cancel.load(Ordering::Relaxed) {
@@ -176,9 +172,7 @@ impl<'a> Follower<'a> {
         let stage = self.graph.stage(index);
         let now = self.workshop.look(stage);
         now.is_ok_and(|now| {
-            now.made_from
-                .without_inputs(|path| was_open(stage, task, path))
-                == task.made_from
+            now.made_from.without_inputs(|path| was_open(stage, task, path)) == task.made_from
         })
     }
 
@@ -223,14 +217,7 @@ impl<'a> Follower<'a> {
             schedule.submitted(candidate.index, std::mem::take(&mut candidate.reasons));
         }
         let at_once = self.options.jobs.map(std::num::NonZeroUsize::get);
-        submit(
-            self.workshop,
-            self.graph,
-            &mut self.jobs,
-            candidates,
-            at_once,
-            observe,
-        )?;
+        submit(self.workshop, self.graph, &mut self.jobs, candidates, at_once, observe)?;
         Ok(true)
     }
 
@@ -254,26 +241,18 @@ impl<'a> Follower<'a> {
             return Ok(None);
         }
         let depth = self.depth[index];
-        if makers
-            .iter()
-            .all(|maker| stands(maker) == Standing::Settled)
-        {
+        if makers.iter().all(|maker| stands(maker) == Standing::Settled) {
             let forced = self.forced.contains(&index);
             let mut tell = |news| schedule.hear(index, news, observe);
-            let examined = self
-                .workshop
-                .examine(self.graph, stage, forced, &mut tell)?;
+            let examined = self.workshop.examine(self.graph, stage, forced, &mut tell)?;
             return match examined {
                 Examined::Settled(attempt) => {
                     self.close(index, attempt, schedule, observe);
                     Ok(None)
                 }
-                Examined::Stale { now, reasons } => Ok(Some(Candidate {
-                    index,
-                    now,
-                    reasons,
-                    depth,
-                })),
+                Examined::Stale { now, reasons } => {
+                    Ok(Some(Candidate { index, now, reasons, depth }))
+                }
             };
         }
         if makers.iter().any(|maker| stands(maker) == Standing::Open) {
@@ -289,22 +268,15 @@ impl<'a> Follower<'a> {
         }
         let now = self.workshop.look(stage)?;
         let mut tell = |news| schedule.hear(index, news, observe);
-        let room = self
-            .workshop
-            .make_room(self.graph, stage, &now.files, &mut tell)?;
+        let room = self.workshop.make_room(self.graph, stage, &now.files, &mut tell)?;
         if let Some(failure) = room {
             self.close(index, Attempt::Failed(failure), schedule, observe);
             return Ok(None);
         }
         let waits = |maker: &&usize| stands(maker) == Standing::OnCluster;
-        let families: BTreeSet<&String> = makers
-            .iter()
-            .filter(waits)
-            .map(|&maker| &self.graph.stage(maker).family)
-            .collect();
-        let reason = |stage: &String| Reason::Upstream {
-            stage: stage.clone(),
-        };
+        let families: BTreeSet<&String> =
+            makers.iter().filter(waits).map(|&maker| &self.graph.stage(maker).family).collect();
+        let reason = |stage: &String| Reason::Upstream { stage: stage.clone() };
         Ok(Some(Candidate {
             index,
             now,
@@ -365,10 +337,7 @@ impl<'a> Follower<'a> {
                 schedule.settle(index, Attempt::TakenBack, observe);
                 return Ok(true);
             }
-            let since = *self
-                .gone
-                .entry(stage.name.clone())
-                .or_insert_with(Instant::now);
+            let since = *self.gone.entry(stage.name.clone()).or_insert_with(Instant::now);
             if since.elapsed() < self.options.lost_after || standings.contains(&Standing::OnCluster)
             {
                 return Ok(false);
@@ -394,11 +363,7 @@ impl<'a> Follower<'a> {
         observe: &mut dyn FnMut(Event<'_>),
     ) {
         let good = !matches!(attempt, Attempt::Failed(_) | Attempt::Interrupted);
-        self.standing[index] = if good {
-            Standing::Settled
-        } else {
-            Standing::Dead
-        };
+        self.standing[index] = if good { Standing::Settled } else { Standing::Dead };
         schedule.settle(index, attempt, observe);
     }
 }

@@ -96,12 +96,7 @@ impl Task {
 
 impl Jobs {
     pub(super) fn new(engine: Executor, path: PathBuf) -> Self {
-        Self {
-            engine,
-            tasks: BTreeMap::new(),
-            path,
-            file: None,
-        }
+        Self { engine, tasks: BTreeMap::new(), path, file: None }
     }
 
     pub(super) fn read(path: &Path) -> Result<Option<Self>, PipelineError> {
@@ -115,9 +110,7 @@ impl Jobs {
         };
         let text = String::from_utf8_lossy(&bytes);
         // A last line without its end was being written when the run was killed.
-        let mut lines = text
-            .split_inclusive('\n')
-            .filter(|line| line.ends_with('\n'));
+        let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
         let line_in = |number: usize, line: &str| {
             serde_json::from_str::<Line>(line).map_err(|error| damaged(number, error.to_string()))
         };
@@ -214,10 +207,7 @@ impl Jobs {
         let failed = || PipelineError::io("write", &self.path);
         let mut text = json(&Line::Engine(self.engine)).map_err(failed())?;
         for (stage, task) in &self.tasks {
-            let line = Line::Task {
-                stage: stage.clone(),
-                task: task.clone(),
-            };
+            let line = Line::Task { stage: stage.clone(), task: task.clone() };
             text.push_str(&json(&line).map_err(failed())?);
         }
         atomic_write_bytes(&self.path, text.as_bytes(), Durability::Synced)
@@ -262,11 +252,7 @@ pub(crate) fn refuse_while_jobs_run(
     };
     let ids = jobs.jobs();
     let still: Vec<&Task> = match engine::alive(jobs.engine, &ids) {
-        Ok(alive) => jobs
-            .tasks
-            .values()
-            .filter(|task| alive.contains(&task.id()))
-            .collect(),
+        Ok(alive) => jobs.tasks.values().filter(|task| alive.contains(&task.id())).collect(),
         Err(_) => jobs.tasks.values().collect(), // not to be known from here
     };
     if !still.is_empty() {
@@ -302,12 +288,8 @@ mod tests {
         let mut jobs = Jobs::new(Executor::Slurm, path.clone());
         let tasks = (0..5).map(|i| (format!("t{i}"), task(i))).collect();
         jobs.begin(tasks).unwrap();
-        let accepted = Accepted {
-            spool: "/s".into(),
-            tasks: 1..3,
-            job: "7".to_owned(),
-            numbered: false,
-        };
+        let accepted =
+            Accepted { spool: "/s".into(), tasks: 1..3, job: "7".to_owned(), numbered: false };
         jobs.accept(accepted).unwrap();
         let before = fs::metadata(&path).unwrap().len();
         jobs.settle("t1").unwrap();
@@ -315,10 +297,7 @@ mod tests {
         assert!(line < 20, "a task that ends costs {line} bytes");
         let read = || {
             let jobs = Jobs::read(&path).unwrap().unwrap();
-            let ids = jobs
-                .tasks
-                .iter()
-                .map(|(stage, task)| format!("{stage}:{}", task.job));
+            let ids = jobs.tasks.iter().map(|(stage, task)| format!("{stage}:{}", task.job));
             ids.collect::<Vec<_>>().join(" ")
         };
         assert_eq!(read(), "t0: t2:7 t3: t4:");
@@ -328,9 +307,6 @@ mod tests {
         Jobs::read(&path).unwrap().unwrap().compact().unwrap();
         assert_eq!(read(), "t0: t2:7 t3: t4:");
         fs::write(&path, "{}\n").unwrap();
-        assert!(matches!(
-            Jobs::read(&path),
-            Err(PipelineError::LedgerDamaged { .. })
-        ));
+        assert!(matches!(Jobs::read(&path), Err(PipelineError::LedgerDamaged { .. })));
     }
 }

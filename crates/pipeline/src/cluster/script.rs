@@ -72,11 +72,7 @@ pub(super) fn text(
     let word = |text: &str| quoted([text]);
     let path = |path: &Path| word(&path.to_string_lossy());
     let reads: Vec<&str> = stage.reads().collect();
-    let inside = |path: &&str| {
-        with_ancestors(path)
-            .skip(1)
-            .any(|above| reads.contains(&above))
-    };
+    let inside = |path: &&str| with_ancestors(path).skip(1).any(|above| reads.contains(&above));
     let outputs: Vec<&str> = stage.outputs.iter().map(String::as_str).collect();
     let is_relative = |path: &&str| is_moved(path);
     let paths = reads.iter().chain(&outputs);
@@ -98,10 +94,7 @@ pub(super) fn text(
         Some((folder, _)) => format!("mkdir -p {} && ", word(folder)),
         None => String::new(),
     };
-    for input in reads
-        .iter()
-        .filter(|path| is_relative(path) && !inside(path))
-    {
+    for input in reads.iter().filter(|path| is_relative(path) && !inside(path)) {
         let name = word(input);
         lines.push(format!(
             "{}ln -s \"$root\"/{name} {name} || stop 'cannot link an input'",
@@ -113,9 +106,7 @@ pub(super) fn text(
     }
     lines.push("start=$(date +%s)".to_owned());
     let command = command(stage, files, place, root);
-    let relative = outputs
-        .iter()
-        .filter(|path| is_relative(path) && !inside(path));
+    let relative = outputs.iter().filter(|path| is_relative(path) && !inside(path));
     let relative: Vec<&str> = relative.copied().collect();
     let run = format!("{command} </dev/null >\"$work.out\" 2>\"$work.err\"; code=$?");
     if stage.retries == 0 {
@@ -138,9 +129,7 @@ pub(super) fn text(
     lines.extend(PUT_IN_PLACE.map(str::to_owned));
     // Nothing is moved while anything is in the way: what a task that failed left at these places is not its own.
     for step in ["see", "put"] {
-        let words = relative
-            .iter()
-            .map(|output| format!("{step} {}", word(output)));
+        let words = relative.iter().map(|output| format!("{step} {}", word(output)));
         lines.extend(words);
     }
     lines.extend(
@@ -176,10 +165,7 @@ mod tests {
 
     /// Starts a copy of the task that is the only stage of `text`.
     fn start(root: &Path, spool: &Path) -> Child {
-        let copy = Command::new("sh")
-            .arg(script(spool, 0))
-            .current_dir(root)
-            .spawn();
+        let copy = Command::new("sh").arg(script(spool, 0)).current_dir(root).spawn();
         copy.unwrap()
     }
 
@@ -201,21 +187,13 @@ mod tests {
             let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
             fs::create_dir_all(&root).unwrap();
             write_script(text, &root, &spool);
-            let copies = [
-                start(&root, &spool),
-                start(&root, &spool),
-                start(&root, &spool),
-            ];
+            let copies = [start(&root, &spool), start(&root, &spool), start(&root, &spool)];
             for mut copy in copies {
                 assert!(copy.wait().unwrap().success(), "round {round}");
             }
             let names: Vec<_> = fs::read_dir(root.join("out")).unwrap().flatten().collect();
             assert_eq!(names.len(), 1, "round {round}: {names:?}");
-            assert!(
-                fs::read_to_string(ending(&spool, 0))
-                    .unwrap()
-                    .starts_with("0 ")
-            );
+            assert!(fs::read_to_string(ending(&spool, 0)).unwrap().starts_with("0 "));
         }
     }
 
@@ -270,10 +248,7 @@ mod tests {
             assert_eq!(disk.join("deep/1").exists(), !full);
             assert_eq!(disk.join(".hidden").exists(), !full);
             let told = fs::read_to_string(ending(&spool, 0)).unwrap();
-            let sizes = told
-                .lines()
-                .skip(1)
-                .filter_map(|line| line.split(' ').next());
+            let sizes = told.lines().skip(1).filter_map(|line| line.split(' ').next());
             let mut sizes: Vec<&str> = sizes.collect();
             sizes.sort_unstable();
             assert_eq!(sizes, ["2", "6"], "{told}");
@@ -289,9 +264,7 @@ mod tests {
             let (root, spool) = (folder.path().join("r"), folder.path().join("s"));
             fs::create_dir_all(&root).unwrap();
             let count = folder.path().join("count").display().to_string();
-            let text = text
-                .replace("COUNT", &count)
-                .replace("TIMES", &times.to_string());
+            let text = text.replace("COUNT", &count).replace("TIMES", &times.to_string());
             write_script(&text, &root, &spool);
             assert_eq!(start(&root, &spool).wait().unwrap().code(), Some(code));
             assert_eq!(fs::read_to_string(root.join("out")).ok().as_deref(), made);

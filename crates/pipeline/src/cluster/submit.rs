@@ -44,11 +44,7 @@ pub(super) fn submit(
     jobs.begin(tasks)?;
     let (engine, pipeline) = (jobs.engine, graph.pipeline().name());
     let mut accepted = |group: &Group, job: &str| {
-        observe(Event::Submitted {
-            job,
-            stage: &group.name,
-            tasks: group.tasks.len(),
-        });
+        observe(Event::Submitted { job, stage: &group.name, tasks: group.tasks.len() });
         jobs.accept(Accepted {
             spool: spool.clone(),
             tasks: group.tasks.clone(),
@@ -56,15 +52,7 @@ pub(super) fn submit(
             numbered: engine == crate::Executor::HyperQueue,
         })
     };
-    engine::submit(
-        engine,
-        pipeline,
-        &groups,
-        at_once,
-        &root,
-        &spool,
-        &mut accepted,
-    )
+    engine::submit(engine, pipeline, &groups, at_once, &root, &spool, &mut accepted)
 }
 
 /// A stage's name and its task.
@@ -86,14 +74,7 @@ fn write_scripts(
     for (number, candidate) in candidates.iter().enumerate() {
         let index = u32::try_from(number).unwrap_or(u32::MAX);
         let stage = graph.stage(candidate.index);
-        let text = script::text(
-            stage,
-            &candidate.now.files,
-            workshop.place,
-            root,
-            spool,
-            index,
-        );
+        let text = script::text(stage, &candidate.now.files, workshop.place, root, spool, index);
         let path = script::script(spool, index);
         fs::write(&path, text).map_err(PipelineError::io("write", &path))?;
         let kind = Some((candidate.depth, stage.family.as_str()));

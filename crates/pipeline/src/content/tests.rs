@@ -62,12 +62,7 @@ fn a_file_that_has_just_changed_is_not_remembered() {
     fs::write(&path, "one").unwrap();
     // As if its clock were ahead.
     let ahead = SystemTime::now() + std::time::Duration::from_hours(1);
-    File::options()
-        .write(true)
-        .open(&path)
-        .unwrap()
-        .set_modified(ahead)
-        .unwrap();
+    File::options().write(true).open(&path).unwrap().set_modified(ahead).unwrap();
     let hasher = Hasher::new(root, root.join(".hashes"), &NEVER);
     hasher.content("f").unwrap();
     hasher.save();
@@ -88,15 +83,7 @@ fn a_hash_does_not_depend_on_the_blocks_in_which_a_file_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path();
     let block = BLOCK as usize;
-    for size in [
-        0,
-        1,
-        WORTH_THREADS,
-        block - 1,
-        block,
-        block + 1,
-        2 * block + 3,
-    ] {
+    for size in [0, 1, WORTH_THREADS, block - 1, block, block + 1, 2 * block + 3] {
         let bytes: Vec<u8> = (0..size).map(|i| (i * i / 7) as u8).collect();
         fs::write(root.join("f"), &bytes).unwrap();
         assert_eq!(content(root, "f"), Some(hash_of(&bytes)), "{size} bytes");

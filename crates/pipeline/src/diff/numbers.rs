@@ -80,11 +80,7 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
             (Some(first), Some(second)) => {
                 compared += 1;
                 if first.to_bits() != second.to_bits() {
-                    numbers.push(NumberDifference {
-                        at: at.clone(),
-                        first,
-                        second,
-                    });
+                    numbers.push(NumberDifference { at: at.clone(), first, second });
                 }
             }
             _ if first != second => texts.push(format!("{at}: {first} -> {second}")),
@@ -96,30 +92,17 @@ pub(super) fn difference(path: String, a: &Cells, b: &Cells) -> FileDifference {
     numbers.truncate(TOLD);
     let only = |these: &Cells, others: &Cells, run: &str| -> Vec<String> {
         let alone = these.keys().filter(|at| !others.contains_key(*at));
-        alone
-            .take(TOLD)
-            .map(|at| format!("{at}: only in the {run} run"))
-            .collect()
+        alone.take(TOLD).map(|at| format!("{at}: only in the {run} run")).collect()
     };
     let mut unpaired = only(a, b, "first");
     unpaired.extend(only(b, a, "second"));
     unpaired.truncate(TOLD);
     texts.truncate(TOLD);
-    FileDifference::Numbers {
-        path,
-        compared,
-        differing,
-        largest: numbers,
-        unpaired,
-        texts,
-    }
+    FileDifference::Numbers { path, compared, differing, largest: numbers, unpaired, texts }
 }
 
 fn number(text: &str) -> Option<f64> {
-    text.trim()
-        .parse()
-        .ok()
-        .filter(|number: &f64| number.is_finite())
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 /// The distance as a part of the larger of both.
@@ -133,24 +116,13 @@ mod tests {
     use super::*;
 
     /// How many numbers were compared and how many differ, the largest differences, what is in one alone, and texts.
-    type Told = (
-        usize,
-        usize,
-        Vec<NumberDifference>,
-        Vec<String>,
-        Vec<String>,
-    );
+    type Told = (usize, usize, Vec<NumberDifference>, Vec<String>, Vec<String>);
 
     fn told(a: &Cells, b: &Cells) -> Told {
         match difference("t.csv".to_owned(), a, b) {
-            FileDifference::Numbers {
-                compared,
-                differing,
-                largest,
-                unpaired,
-                texts,
-                ..
-            } => (compared, differing, largest, unpaired, texts),
+            FileDifference::Numbers { compared, differing, largest, unpaired, texts, .. } => {
+                (compared, differing, largest, unpaired, texts)
+            }
             other => panic!("these are tables: {other:?}"),
         }
     }
@@ -161,10 +133,7 @@ mod tests {
         let b = csv_cells(b"who,day,x,note\nann,2,2.5,c\nann,1,1,a\nbob,1,7,d\n", b',').unwrap();
         let (compared, differing, largest, unpaired, texts) = told(&a, &b);
         assert_eq!((compared, differing), (2, 1));
-        assert_eq!(
-            (largest[0].at.as_str(), largest[0].second),
-            ("ann 2, x", 2.5)
-        );
+        assert_eq!((largest[0].at.as_str(), largest[0].second), ("ann 2, x", 2.5));
         assert_eq!(texts, ["ann 2, note: b -> c"]);
         assert_eq!(unpaired.len(), 2);
     }
@@ -181,65 +150,36 @@ mod tests {
     fn the_largest_differences_come_first_and_no_more_than_ten_of_a_kind() {
         let table = |numbers: &[(i32, f64)], text: &str| {
             let rows = numbers.iter().map(|(i, v)| format!("r{i},{v:?},{text}"));
-            let lines: Vec<String> = std::iter::once("who,x,note".to_owned())
-                .chain(rows)
-                .collect();
+            let lines: Vec<String> = std::iter::once("who,x,note".to_owned()).chain(rows).collect();
             csv_cells(lines.join("\n").as_bytes(), b',').unwrap()
         };
         let first: Vec<(i32, f64)> = (10..40).map(|i| (i, 100.5)).collect();
         // Row i is off by i percent of the larger; the last three are alone.
-        let second: Vec<(i32, f64)> = (10..37)
-            .map(|i| (i, 100.5 * (1.0 - f64::from(i) / 100.0)))
-            .collect();
+        let second: Vec<(i32, f64)> =
+            (10..37).map(|i| (i, 100.5 * (1.0 - f64::from(i) / 100.0))).collect();
         let (a, b) = (table(&first, "one"), table(&second, "two"));
         let (compared, differing, largest, unpaired, texts) = told(&a, &b);
         assert_eq!((compared, differing, largest.len()), (27, 27, TOLD));
         let order: Vec<&str> = largest.iter().map(|d| d.at.as_str()).collect();
         assert_eq!(order[..3], ["r36, x", "r35, x", "r34, x"]);
-        assert_eq!(
-            (texts.len(), texts[0].as_str()),
-            (TOLD, "r10, note: one -> two")
-        );
+        assert_eq!((texts.len(), texts[0].as_str()), (TOLD, "r10, note: one -> two"));
         assert_eq!(unpaired.len(), 6);
-        assert!(
-            unpaired
-                .iter()
-                .all(|u| u.ends_with("only in the first run"))
-        );
+        assert!(unpaired.iter().all(|u| u.ends_with("only in the first run")));
         let (.., unpaired, _) = told(&b, &a);
-        assert!(
-            unpaired
-                .iter()
-                .all(|u| u.ends_with("only in the second run"))
-        );
+        assert!(unpaired.iter().all(|u| u.ends_with("only in the second run")));
         // The other way round a distance is as large a part of the larger.
-        let apart = |first, second| {
-            relative(&NumberDifference {
-                at: String::new(),
-                first,
-                second,
-            })
-        };
+        let apart =
+            |first, second| relative(&NumberDifference { at: String::new(), first, second });
         assert!((apart(2.0, 1.0) - 0.5).abs() < 1e-12 && (apart(1.0, 2.0) - 0.5).abs() < 1e-12);
         assert!((apart(-2.0, 2.0) - 2.0).abs() < 1e-12);
     }
 
     #[test]
     fn rows_that_no_first_cells_tell_apart_are_numbered_and_a_measured_value_names_none() {
-        let cells = |text: &str| {
-            csv_cells(text.as_bytes(), b',')
-                .unwrap()
-                .into_keys()
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(
-            cells("a,b\n1,x\n1,y\n"),
-            ["row 1, a", "row 1, b", "row 2, a", "row 2, b"]
-        );
-        assert_eq!(
-            cells("a,b\n1.5,x\n2.5,y\n"),
-            ["row 1, a", "row 1, b", "row 2, a", "row 2, b"]
-        );
+        let cells =
+            |text: &str| csv_cells(text.as_bytes(), b',').unwrap().into_keys().collect::<Vec<_>>();
+        assert_eq!(cells("a,b\n1,x\n1,y\n"), ["row 1, a", "row 1, b", "row 2, a", "row 2, b"]);
+        assert_eq!(cells("a,b\n1.5,x\n2.5,y\n"), ["row 1, a", "row 1, b", "row 2, a", "row 2, b"]);
         assert_eq!(cells("a,b,c\n1,x,2.5\n1,y,2.5\n"), ["1 x, c", "1 y, c"]);
         assert_eq!(cells("a\n1\n2\n"), ["row 1, a", "row 2, a"]);
         assert!(csv_cells(b"", b',').is_none());

@@ -231,9 +231,5 @@ fn apart(lacks: &[String], strange: &[String]) -> String {
         (!paths.is_empty()).then(|| format!("{what} {}", listing(paths)))
     };
     let parts = [named("it lacks", lacks), named("it has", strange)];
-    parts
-        .into_iter()
-        .flatten()
-        .collect::<Vec<_>>()
-        .join(" and ")
+    parts.into_iter().flatten().collect::<Vec<_>>().join(" and ")
 }

@@ -18,11 +18,7 @@ pub(super) fn did_you_mean(nearest: Option<&String>) -> Option<String> {
 }
 
 pub(super) fn listing(names: &[String]) -> String {
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
 }
 
 #[cfg(test)]
@@ -31,10 +27,7 @@ mod tests {
 
     #[test]
     fn only_a_similar_word_is_suggested() {
-        assert_eq!(
-            nearest("inptus", ["cmd", "inputs", "outputs"]).as_deref(),
-            Some("inputs")
-        );
+        assert_eq!(nearest("inptus", ["cmd", "inputs", "outputs"]).as_deref(), Some("inputs"));
         assert_eq!(nearest("banana", ["cmd", "inputs", "outputs"]), None);
     }
 
@@ -45,10 +38,7 @@ mod tests {
         assert!(near("iputz", "input") && !near("ipuxz", "input"));
         // Of two as near the first by its letters.
         assert_eq!(nearest("bat", ["cat", "bar"]).as_deref(), Some("bar"));
-        assert_eq!(
-            did_you_mean(Some(&"a".to_owned())).as_deref(),
-            Some("did you mean `a`?")
-        );
+        assert_eq!(did_you_mean(Some(&"a".to_owned())).as_deref(), Some("did you mean `a`?"));
         assert_eq!(did_you_mean(None), None);
         assert_eq!(listing(&[]), "none");
         assert_eq!(listing(&["a".to_owned(), "b".to_owned()]), "a, b");

@@ -20,9 +20,7 @@ impl Group {
 
     /// The group of a child that was begun so.
     pub(super) fn new(child: &Child) -> Self {
-        Self {
-            id: nix::unistd::Pid::from_raw(child.id().cast_signed()),
-        }
+        Self { id: nix::unistd::Pid::from_raw(child.id().cast_signed()) }
     }
 
     /// Asks all to end.

@@ -146,11 +146,7 @@ fn read_lines(stream: impl Read + Send + 'static, name: Stream, sender: SyncSend
         let mut reader = BufReader::new(stream);
         loop {
             let mut line = Vec::new();
-            match reader
-                .by_ref()
-                .take(LONGEST_LINE)
-                .read_until(b'\n', &mut line)
-            {
+            match reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
                 Ok(n) if n > 0 => {
                     if line.last() != Some(&b'\n') {
                         line.push(b'\n');
@@ -204,8 +200,7 @@ impl Kept {
                 let surplus = self.stdout.len() - KEPT_STDOUT;
                 let bytes = self.stdout.as_bytes();
                 let newline = bytes[surplus..].iter().position(|&b| b == b'\n');
-                self.stdout
-                    .drain(..newline.map_or(surplus, |n| surplus + n + 1));
+                self.stdout.drain(..newline.map_or(surplus, |n| surplus + n + 1));
             }
         }
         if self.last_lines.len() == KEPT_LINES {
@@ -250,13 +245,7 @@ mod tests {
     fn both_streams_are_logged_and_standard_error_is_passed_on() {
         let script = "echo out; echo err >&2; printf unended; exit 3";
         let (ended, log, stderr) = shell(script, &AtomicBool::new(false));
-        let Ended::Exited {
-            status,
-            peak_memory,
-            stdout,
-            last_lines,
-        } = ended
-        else {
+        let Ended::Exited { status, peak_memory, stdout, last_lines } = ended else {
             panic!("it ends by itself");
         };
         #[cfg(target_os = "linux")]
@@ -285,10 +274,7 @@ mod tests {
     fn a_stopped_stage_takes_its_children_with_it() {
         let folder = tempfile::tempdir().unwrap();
         let late = folder.path().join("late");
-        let script = format!(
-            "trap '' TERM; (sleep 0.6; echo x > {}) & wait",
-            late.display()
-        );
+        let script = format!("trap '' TERM; (sleep 0.6; echo x > {}) & wait", late.display());
         let stop = AtomicBool::new(false);
         let (ended, ..) = std::thread::scope(|scope| {
             let run = scope.spawn(|| shell(&script, &stop));

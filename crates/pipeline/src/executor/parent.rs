@@ -50,9 +50,7 @@ fn follow(run: i32, started: &str) -> bool {
 fn is_alive(process: i32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
     // "id (name) state ...": a name may hold brackets and spaces.
-    let state = stat
-        .rsplit_once(") ")
-        .and_then(|(_, rest)| rest.bytes().next());
+    let state = stat.rsplit_once(") ").and_then(|(_, rest)| rest.bytes().next());
     state.is_some_and(|state| !matches!(state, b'Z' | b'X'))
 }
 
@@ -68,10 +66,7 @@ mod tests {
     #[test]
     fn a_process_that_has_ended_and_was_not_asked_how_is_not_alive() {
         assert!(is_alive(std::process::id().cast_signed()));
-        let mut child = std::process::Command::new("sleep")
-            .arg("60")
-            .spawn()
-            .unwrap();
+        let mut child = std::process::Command::new("sleep").arg("60").spawn().unwrap();
         let id = child.id().cast_signed();
         assert!(is_alive(id));
         child.kill().unwrap();

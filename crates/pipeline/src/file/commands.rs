@@ -88,12 +88,7 @@ impl CommandFiles {
         if lacks.is_empty() && strange.is_empty() {
             return Ok(());
         }
-        Err(FileProblem::OtherFiles {
-            key,
-            lacks,
-            strange,
-        }
-        .located(value.span().start))
+        Err(FileProblem::OtherFiles { key, lacks, strange }.located(value.span().start))
     }
 
     /// Whether a path is in any of its own.
@@ -148,10 +143,7 @@ mod tests {
             format!("name = \"p\"\n[params]\nout = \"made\"\nmodel = \"{{out}}/model\"\n{stages}");
         let settings = Settings {
             variant: variant.map(str::to_owned),
-            commands: Some(Commands {
-                program: "tool",
-                files: copies,
-            }),
+            commands: Some(Commands { program: "tool", files: copies }),
             ..Settings::default()
         };
         let pipeline = Pipeline::parse(&text, "p.toml".as_ref(), root, &settings)?;
@@ -160,10 +152,7 @@ mod tests {
 
     fn stage(name: &str, words: &str) -> String {
         let words: Vec<String> = words.split(' ').map(|word| format!("\"{word}\"")).collect();
-        format!(
-            "[[stage]]\nname = \"{name}\"\ncmd = [{}]\n",
-            words.join(", ")
-        )
+        format!("[[stage]]\nname = \"{name}\"\ncmd = [{}]\n", words.join(", "))
     }
 
     #[test]
@@ -175,11 +164,8 @@ mod tests {
         let other = read(&stage("a", "tool other in.csv {out}/a.csv"), here, None).unwrap();
         assert!(other[0].inputs.is_empty() && other[0].outputs.is_empty());
         let whole = std::path::absolute(here).unwrap().join("a.csv");
-        let below = read(
-            &stage("a", &format!("tool copy in.csv {}", whole.to_slash_lossy())),
-            here,
-            None,
-        );
+        let below =
+            read(&stage("a", &format!("tool copy in.csv {}", whole.to_slash_lossy())), here, None);
         assert_eq!(below.unwrap()[0].outputs, ["a.csv"]);
         let wrong = read(&stage("a", "tool copy in.csv"), here, None).unwrap_err();
         assert_eq!(wrong.to_string(), "p.toml:5:1: copy needs FROM and TO");
@@ -190,10 +176,7 @@ mod tests {
         let here = Path::new(".");
         let with = |lists: &str| read(&(stage("a", "tool copy x y z") + lists), here, None);
         assert!(with("inputs = [\"x\"]\noutputs = [\"./y\"]").is_ok());
-        assert!(
-            with("inputs = [\"x\", \"z\"]").is_ok(),
-            "z is read if it is there"
-        );
+        assert!(with("inputs = [\"x\", \"z\"]").is_ok(), "z is read if it is there");
         let said = |lists: &str| with(lists).unwrap_err().to_string();
         assert_eq!(
             said("inputs = [\"z\"]"),
@@ -216,11 +199,7 @@ mod tests {
         };
         assert_eq!(inputs("notes"), ["x", "notes"]);
         assert_eq!(inputs("made/drives/a.csv"), ["x", "made/drives/a.csv"]);
-        assert_eq!(
-            inputs("made"),
-            ["x", "made"],
-            "another stage makes a part of it"
-        );
+        assert_eq!(inputs("made"), ["x", "made"], "another stage makes a part of it");
         assert_eq!(inputs("nowhere"), ["x"]);
         assert_eq!(inputs("y"), ["x"], "its own output");
     }

@@ -70,10 +70,7 @@ pub(super) fn branches(
     };
     let shard = |branch: &Branch, shard: u32| {
         let mut branch = branch.clone();
-        let whole = |number: u32| Param {
-            kind: ParamKind::Integer,
-            text: number.to_string(),
-        };
+        let whole = |number: u32| Param { kind: ParamKind::Integer, text: number.to_string() };
         branch.values.push(("shard".to_owned(), whole(shard)));
         branch.values.push(("shards".to_owned(), whole(shards)));
         branch.share = over.as_ref().map(|(folder, pattern)| Share {
@@ -96,12 +93,8 @@ pub(super) fn count(key: &str, value: &super::value::Value<'_>) -> Result<u32, L
     };
     let count = u32::from_str_radix(number.as_str(), number.radix()).ok();
     count.filter(|&count| count > 0).ok_or_else(|| {
-        FileProblem::WrongType {
-            key: key.to_owned(),
-            found: number.as_str().to_owned(),
-            expected,
-        }
-        .located(value.span().start)
+        FileProblem::WrongType { key: key.to_owned(), found: number.as_str().to_owned(), expected }
+            .located(value.span().start)
     })
 }
 
@@ -134,10 +127,7 @@ fn rows(path: &str, root: &Path) -> Result<Vec<Branch>, String> {
         branches.push(Branch {
             values: heading.iter().zip(&cells).filter_map(value).collect(),
             distinct: true,
-            row: Some(Row {
-                table: path.to_owned(),
-                line,
-            }),
+            row: Some(Row { table: path.to_owned(), line }),
             share: None,
         });
     }

@@ -29,19 +29,11 @@ pub(crate) struct Key {
 }
 
 const fn key(name: &'static str, kind: Kind, about: &'static str) -> Key {
-    Key {
-        name,
-        kind,
-        required: false,
-        about,
-    }
+    Key { name, kind, required: false, about }
 }
 
 const fn required(name: &'static str, kind: Kind, about: &'static str) -> Key {
-    Key {
-        required: true,
-        ..key(name, kind, about)
-    }
+    Key { required: true, ..key(name, kind, about) }
 }
 
 /// The keys at the top.
@@ -97,16 +89,8 @@ pub(crate) const STAGE_KEYS: &[Key] = &[
         Kind::Text,
         "The version of what its command computes: another one makes the stage run again.",
     ),
-    key(
-        "summary",
-        Kind::Flag,
-        "Whether its standard output is shown at the end of a run.",
-    ),
-    key(
-        "inputs_help",
-        Kind::Text,
-        "How to get its inputs, said when one is missing.",
-    ),
+    key("summary", Kind::Flag, "Whether its standard output is shown at the end of a run."),
+    key("inputs_help", Kind::Text, "How to get its inputs, said when one is missing."),
     key(
         "foreach",
         Kind::Text,
@@ -143,11 +127,7 @@ pub(crate) const STAGE_KEYS: &[Key] = &[
 
 /// What `resources` of a stage may have.
 pub(crate) const RESOURCE_KEYS: &[Key] = &[
-    key(
-        "cpus",
-        Kind::Count,
-        "Processor cores; only a cluster counts them.",
-    ),
+    key("cpus", Kind::Count, "Processor cores; only a cluster counts them."),
     key(
         "memory_mb",
         Kind::Count,

@@ -62,10 +62,7 @@ pub(super) fn with_layers<T>(
         return Err(refused(FileProblem::ExtendsItself { path: base }));
     }
     let text = std::fs::read_to_string(&base).map_err(|error| {
-        refused(FileProblem::NoBase {
-            path: base.clone(),
-            message: error.to_string(),
-        })
+        refused(FileProblem::NoBase { path: base.clone(), message: error.to_string() })
     })?;
     with_layers(&base, &text, &layers, then)
 }
@@ -102,10 +99,7 @@ pub(super) fn merged_stages<'t>(layers: &[Layer<'t>]) -> Result<Vec<Entry<'t>>, 
             .collect();
         let mut replaced = vec![false; before];
         for value in stages_in(*layer)? {
-            let entry = Entry {
-                layer: *layer,
-                value,
-            };
+            let entry = Entry { layer: *layer, value };
             // A second stage of the name is no replacement: it is refused where it is read.
             match name_of(value).and_then(|name| names.get(name)) {
                 Some(&place) if !replaced[place] => {
@@ -216,15 +210,11 @@ pub(super) fn check_added(
 ) -> Result<(), PipelineError> {
     let names = |layer: &Layer<'_>| {
         let keys = written_params(layer).into_iter().flat_map(|p| p.keys());
-        keys.map(|key| (key.get_ref().to_string(), key.span().start))
-            .collect::<Vec<_>>()
+        keys.map(|key| (key.get_ref().to_string(), key.span().start)).collect::<Vec<_>>()
     };
     for (place, layer) in layers.iter().enumerate() {
-        let below: Vec<String> = layers[place + 1..]
-            .iter()
-            .flat_map(names)
-            .map(|(name, _)| name)
-            .collect();
+        let below: Vec<String> =
+            layers[place + 1..].iter().flat_map(names).map(|(name, _)| name).collect();
         let unused = |(name, _): &(String, usize)| {
             !below.contains(name) && !stages.iter().any(|stage| stage.params.contains_key(name))
         };

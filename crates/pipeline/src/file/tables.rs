@@ -32,8 +32,7 @@ pub(super) fn read_stages(
 ) -> Result<(Vec<Stage>, Vec<Vec<String>>), PipelineError> {
     let mut read = Read::default();
     for entry in entries {
-        read.add(entry, params, surroundings)
-            .map_err(|at| entry.layer.error(at))?;
+        read.add(entry, params, surroundings).map_err(|at| entry.layer.error(at))?;
     }
     Ok((read.stages, read.if_there))
 }
@@ -72,11 +71,7 @@ impl Read {
         };
         for branch in fan::branches(table, surroundings.root, start, &mut substitute)? {
             let clash = |(name, _): &&(String, Param)| params.0.contains_key(name);
-            let clash = branch
-                .values
-                .iter()
-                .find(clash)
-                .map(|(name, _)| name.clone());
+            let clash = branch.values.iter().find(clash).map(|(name, _)| name.clone());
             let (mut stage, if_there, start) =
                 read_stage(table, params, branch, (start, surroundings))?;
             if let Some(name) = clash.filter(|name| stage.params.contains_key(name)) {
@@ -171,11 +166,8 @@ fn read_stage(
         files.check("outputs", table.get("outputs"), &outputs)?;
         let in_path = |(_, cell): &&(String, Param)| files.has_in_path(&cell.text);
         let in_its_paths = branch.values.iter().filter(in_path);
-        in_paths.extend(
-            in_its_paths
-                .map(|(name, _)| name.clone())
-                .filter(|name| used.contains(name)),
-        );
+        in_paths
+            .extend(in_its_paths.map(|(name, _)| name.clone()).filter(|name| used.contains(name)));
         (inputs, outputs, if_there) = (files.inputs, files.outputs, files.if_there);
     }
     check_ids(&branch, &in_paths, at)?;
@@ -300,12 +292,7 @@ fn read_resources(table: &DeTable<'_>) -> Result<Resources, Located> {
         return Err(wrong_type("resources", value, "a table"));
     };
     check_keys(asked, "resources", RESOURCE_KEYS)?;
-    let count = |key| {
-        asked
-            .get(key)
-            .map(|value| fan::count(key, value))
-            .transpose()
-    };
+    let count = |key| asked.get(key).map(|value| fan::count(key, value)).transpose();
     Ok(Resources {
         cpus: count("cpus")?,
         memory_mb: count("memory_mb")?,

@@ -1,19 +1,12 @@
 use super::*;
 
 fn parsed(text: &str) -> Result<Pipeline, PipelineError> {
-    Pipeline::parse(
-        text,
-        Path::new("p.toml"),
-        Path::new("."),
-        &Settings::default(),
-    )
+    Pipeline::parse(text, Path::new("p.toml"), Path::new("."), &Settings::default())
 }
 
 fn message(text: &str) -> String {
     let error = parsed(text).unwrap_err();
-    let help = error
-        .suggestion()
-        .map_or_else(String::new, |help| format!(" ({help})"));
+    let help = error.suggestion().map_or_else(String::new, |help| format!(" ({help})"));
     format!("{error}{help}")
 }
 
@@ -30,10 +23,8 @@ fn numbers_are_put_in_as_written() {
 #[test]
 fn an_override_replaces_a_value_and_is_kept() {
     let text = format!("{STAGE_A}cmd = ['x', '{{seed}}']");
-    let settings = Settings {
-        set: vec![("seed".to_owned(), "7".to_owned())],
-        ..Settings::default()
-    };
+    let settings =
+        Settings { set: vec![("seed".to_owned(), "7".to_owned())], ..Settings::default() };
     let pipeline = Pipeline::parse(&text, Path::new("p.toml"), Path::new("."), &settings).unwrap();
     assert_eq!(pipeline.stages()[0].command, ["x", "7"]);
     assert_eq!(pipeline.overrides()["seed"], "7");
@@ -75,18 +66,12 @@ fn a_table_gives_a_stage_for_each_distinct_use_of_its_columns() {
     let pipeline = in_folder(table, stage).unwrap();
     assert_eq!(names(&pipeline), ["fit.ann", "fit.bob_b"]);
     let bob = &pipeline.stages()[1];
-    assert_eq!(
-        (bob.family.as_str(), bob.command[1].as_str()),
-        ("fit", "bob b")
-    );
+    assert_eq!((bob.family.as_str(), bob.command[1].as_str()), ("fit", "bob b"));
     assert_eq!(bob.row.as_ref().map(|row| row.line), Some(4));
     assert_eq!(bob.params["who"], "bob b");
     let stage = "foreach = 't.csv'\ncmd = ['x', '{who}', '{note}']";
     let pipeline = in_folder(table, stage).unwrap();
-    assert_eq!(
-        names(&pipeline),
-        ["fit.ann.x_y", "fit.ann._odd_", "fit.bob_b."]
-    );
+    assert_eq!(names(&pipeline), ["fit.ann.x_y", "fit.ann._odd_", "fit.bob_b."]);
     assert_eq!(pipeline.stages()[1].command[2], "{odd}");
 }
 
@@ -95,10 +80,7 @@ fn a_matrix_gives_all_combinations_and_shards_cut_each() {
     let stage = "matrix = { z = [1, 2.5], a = ['k'] }\nshards = 2\nover = 'd/*.csv'\n\
                  cmd = ['x', '{z}', '{a}', '{shard}/{shards}', '{files}']";
     let pipeline = in_folder("", stage).unwrap();
-    assert_eq!(
-        names(&pipeline),
-        ["fit.1.k.0", "fit.1.k.1", "fit.2.5.k.0", "fit.2.5.k.1"]
-    );
+    assert_eq!(names(&pipeline), ["fit.1.k.0", "fit.1.k.1", "fit.2.5.k.0", "fit.2.5.k.1"]);
     let last = &pipeline.stages()[3];
     assert_eq!(last.command[1..], ["2.5", "k", "1/2", "{files}"]);
     assert_eq!(last.arguments(&["d/1.csv".to_owned()])[3..], ["d/1.csv"]);
@@ -108,47 +90,17 @@ fn a_matrix_gives_all_combinations_and_shards_cut_each() {
 #[test]
 fn a_fan_out_that_cannot_be_is_refused_where_it_stands() {
     let cases = [
-        (
-            "foreach = 'u.csv'\ncmd = ['x']",
-            "p.toml:6:11: cannot read the table `u.csv`",
-        ),
-        (
-            "foreach = 't.csv'\ncmd = ['x']",
-            "uses no column of its table",
-        ),
+        ("foreach = 'u.csv'\ncmd = ['x']", "p.toml:6:11: cannot read the table `u.csv`"),
+        ("foreach = 't.csv'\ncmd = ['x']", "uses no column of its table"),
         ("foreach = 't.csv'\ncmd = ['{wo}']", "did you mean `who`"),
-        (
-            "matrix = { seed = [1] }\ncmd = ['{seed}']",
-            "`seed` is also a parameter",
-        ),
-        (
-            "matrix = { a = [] }\ncmd = ['{a}']",
-            "p.toml:6:16: `a` is an array",
-        ),
-        (
-            "shards = 0\ncmd = ['x']",
-            "`shards` is 0, expected a whole number from 1 on",
-        ),
-        (
-            "over = 'd'\ncmd = ['x']",
-            "[[stage]] with `over` lacks `shards`",
-        ),
-        (
-            "shards = 2\nover = '*/d'\ncmd = ['x']",
-            "`*/d` cannot be dealt out",
-        ),
-        (
-            "shards = 2\nover = 'd'\ncmd = ['a{files}']",
-            "`{files}` must be a word of its own",
-        ),
-        (
-            "shards = 2\nmatrix = {a=['é','é']}\ncmd = ['{a}{shard}']",
-            "a second stage",
-        ),
-        (
-            "foreach = 't.csv'\nmatrix = {a=[1]}\ncmd = ['x']",
-            "both `foreach` and `matrix`",
-        ),
+        ("matrix = { seed = [1] }\ncmd = ['{seed}']", "`seed` is also a parameter"),
+        ("matrix = { a = [] }\ncmd = ['{a}']", "p.toml:6:16: `a` is an array"),
+        ("shards = 0\ncmd = ['x']", "`shards` is 0, expected a whole number from 1 on"),
+        ("over = 'd'\ncmd = ['x']", "[[stage]] with `over` lacks `shards`"),
+        ("shards = 2\nover = '*/d'\ncmd = ['x']", "`*/d` cannot be dealt out"),
+        ("shards = 2\nover = 'd'\ncmd = ['a{files}']", "`{files}` must be a word of its own"),
+        ("shards = 2\nmatrix = {a=['é','é']}\ncmd = ['{a}{shard}']", "a second stage"),
+        ("foreach = 't.csv'\nmatrix = {a=[1]}\ncmd = ['x']", "both `foreach` and `matrix`"),
     ];
     for (stage, expected) in cases {
         let error = in_folder("who\nann\n", stage).unwrap_err();
@@ -163,19 +115,14 @@ fn an_empty_parameter_makes_no_path_in_the_root_of_the_disk() {
     let text = "name = 'p'\n[params]\nout = 'data'\nmodel = '{out}/model'\n\
                 [[stage]]\nname = 'a'\ncmd = ['x']\noutputs = ['{model}/a.txt']\n";
     let with = |out: &str| {
-        let settings = Settings {
-            set: vec![("out".to_owned(), out.to_owned())],
-            ..Settings::default()
-        };
+        let settings =
+            Settings { set: vec![("out".to_owned(), out.to_owned())], ..Settings::default() };
         Pipeline::parse(text, Path::new("p.toml"), Path::new("."), &settings)
     };
     let error = with("").unwrap_err().to_string();
     assert!(error.contains("`{out}` is empty"), "{error}");
     // What is meant to be absolute may be.
-    assert_eq!(
-        with("/data").unwrap().stages()[0].outputs,
-        ["/data/model/a.txt"]
-    );
+    assert_eq!(with("/data").unwrap().stages()[0].outputs, ["/data/model/a.txt"]);
 }
 
 #[test]
@@ -232,9 +179,7 @@ fn a_file_that_extends_another_changes_values_replaces_stages_and_adds_some() {
     let pipeline = extended(&[("mine.toml", text), ("middle.toml", middle), BASE]).unwrap();
     assert_eq!(pipeline.name(), "mine");
     assert_eq!(names(&pipeline), ["a", "b", "c"]);
-    let [a, b, c] = pipeline.stages() else {
-        unreachable!()
-    };
+    let [a, b, c] = pipeline.stages() else { unreachable!() };
     assert_eq!((&*a.command[0], &*a.command[1]), ("w", "2"));
     assert_eq!((&*b.inputs[0], &*b.outputs[0]), ("made/a", "made/b"));
     assert_eq!(c.command, ["z", "5"]);
@@ -257,10 +202,7 @@ fn mistakes_in_files_that_extend_others_are_named_in_the_file_that_has_them() {
             "[[stage]]\nname = 'a'\ncmd = ['x']\n[[stage]]\nname = 'a'\ncmd = ['x']\n",
             "mine.toml:7:8: a second stage `a`; the first is on line 4 ()",
         ),
-        (
-            "[[stage]]\nname = 'a'\n",
-            "mine.toml:3:1: [[stage]] lacks `cmd` ()",
-        ),
+        ("[[stage]]\nname = 'a'\n", "mine.toml:3:1: [[stage]] lacks `cmd` ()"),
     ];
     for (text, expected) in cases {
         let text = format!("{head}{text}");
@@ -293,18 +235,10 @@ fn a_variant_moves_the_parameters_with_which_outputs_begin() {
                 inputs = ['{raw}']\noutputs = ['{model}']\n\
                 [[stage]]\nname = 'b'\ncmd = ['y']\ninputs = ['{out}/model']\noutputs = ['{report}.html']\n";
     let pipeline = variant(text, "b").unwrap();
-    let [a, b] = pipeline.stages() else {
-        unreachable!()
-    };
+    let [a, b] = pipeline.stages() else { unreachable!() };
     assert_eq!(a.command[1..], ["in", "data-b/model", "run {x}"]);
-    assert_eq!(
-        (&*a.outputs[0], &*b.inputs[0]),
-        ("data-b/model", "data-b/model")
-    );
-    assert_eq!(
-        (&*b.outputs[0], pipeline.variant()),
-        ("r-b.html", Some("b"))
-    );
+    assert_eq!((&*a.outputs[0], &*b.inputs[0]), ("data-b/model", "data-b/model"));
+    assert_eq!((&*b.outputs[0], pipeline.variant()), ("r-b.html", Some("b")));
     let error = variant(&text.replace("'{report}.html'", "'made/it'"), "b").unwrap_err();
     let expected =
         "`--variant b` cannot move `made/it` of stage `b`: it does not begin with a parameter";
@@ -322,10 +256,7 @@ fn what_a_table_or_set_says_is_no_script() {
     assert_eq!(words(1), ["echo ann > hello.txt", "ann"]);
     let stage = "foreach = 't.csv'\ncmd = ['sh', '-c', \"cat <<E\\n{who}\\nE\"]";
     let error = in_folder("who\na b\n", stage).unwrap_err();
-    assert!(
-        error.to_string().contains("cannot be quoted safely"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("cannot be quoted safely"), "{error}");
     assert!(error.suggestion().unwrap().contains("\"{who}\"]"));
 }
 
@@ -346,14 +277,8 @@ fn a_fan_out_beyond_all_measure_is_an_error_with_its_number() {
     let many = many.join(",");
     let cases = [
         ("shards = 4_000_000_000".to_owned(), "4000000000"),
-        (
-            format!("matrix = {{a = [{many}], b = [{many}], c = [{many}]}}"),
-            "8000000000",
-        ),
-        (
-            format!("shards = 1000\nmatrix = {{a = [{many}]}}"),
-            "2000000",
-        ),
+        (format!("matrix = {{a = [{many}], b = [{many}], c = [{many}]}}"), "8000000000"),
+        (format!("shards = 1000\nmatrix = {{a = [{many}]}}"), "2000000"),
     ];
     for (fan, number) in cases {
         let error = in_folder("", &format!("{fan}\ncmd = ['x']")).unwrap_err();
@@ -367,10 +292,7 @@ fn other_mistakes_are_named_where_they_stand() {
     let cases = [
         ("name = 'p'", "p.toml:1:1: the pipeline has no [[stage]]"),
         ("", "p.toml:1:1: the pipeline lacks `name`"),
-        (
-            "name = 'p'\n[[stage]]\nname = 'a'",
-            "p.toml:2:1: [[stage]] lacks `cmd`",
-        ),
+        ("name = 'p'\n[[stage]]\nname = 'a'", "p.toml:2:1: [[stage]] lacks `cmd`"),
         (
             "name = 'p'\n[[stage]]\nname = 'a'\ncmd = 'ls'",
             "p.toml:4:7: `cmd` is a string, expected an array of strings",

@@ -74,13 +74,7 @@ pub(super) fn required<'t, 'i>(
     described: &'static str,
     at: usize,
 ) -> Result<&'t Value<'i>, Located> {
-    table.get(key).ok_or(
-        FileProblem::MissingKey {
-            key,
-            table: described,
-        }
-        .located(at),
-    )
+    table.get(key).ok_or(FileProblem::MissingKey { key, table: described }.located(at))
 }
 
 pub(super) fn check_name(name: &str, at: usize) -> Result<(), Located> {
@@ -126,11 +120,7 @@ pub(super) fn command(
 }
 
 pub(super) fn string(key: &str, value: &Value<'_>) -> Result<String, Located> {
-    value
-        .get_ref()
-        .as_str()
-        .map(str::to_owned)
-        .ok_or_else(|| wrong_type(key, value, "a string"))
+    value.get_ref().as_str().map(str::to_owned).ok_or_else(|| wrong_type(key, value, "a string"))
 }
 
 pub(super) fn wrong_type(key: &str, value: &Value<'_>, expected: &'static str) -> Located {
@@ -139,12 +129,8 @@ pub(super) fn wrong_type(key: &str, value: &Value<'_>, expected: &'static str) -
         DeValue::Array(_) => "an array".to_owned(),
         other => format!("a {}", other.type_str()),
     };
-    FileProblem::WrongType {
-        key: key.to_owned(),
-        found: type_name,
-        expected,
-    }
-    .located(value.span().start)
+    FileProblem::WrongType { key: key.to_owned(), found: type_name, expected }
+        .located(value.span().start)
 }
 
 /// The parameters of a file.
@@ -174,11 +160,7 @@ pub(super) fn read_param(name: &str, value: &Value<'_>) -> Result<Param, Located
         DeValue::Float(number) => (ParamKind::Float, number.as_str().to_owned()),
         DeValue::Boolean(truth) => (ParamKind::Boolean, truth.to_string()),
         _ => {
-            return Err(wrong_type(
-                name,
-                value,
-                "a string, a decimal number or a boolean",
-            ));
+            return Err(wrong_type(name, value, "a string, a decimal number or a boolean"));
         }
     };
     Ok(Param { kind, text })

@@ -54,9 +54,7 @@ impl OpenLedger {
         let is_gone = |key: &&String| {
             let outputs = ledger.made_by(key);
             !current.contains(*key)
-                && !outputs
-                    .keys()
-                    .any(|output| place.root.join(output).exists())
+                && !outputs.keys().any(|output| place.root.join(output).exists())
         };
         let gone: Vec<String> = ledger.keys().filter(is_gone).cloned().collect();
         for key in gone {
@@ -102,10 +100,7 @@ impl OpenLedger {
     }
 
     pub(crate) fn finish(&mut self, stage: &Stage, record: Record) -> Result<(), PipelineError> {
-        self.enter(Entry::Finished {
-            key: stage.key(),
-            record: Box::new(record),
-        })
+        self.enter(Entry::Finished { key: stage.key(), record: Box::new(record) })
     }
 
     /// Notes which files a run made that did not end well.
@@ -114,16 +109,11 @@ impl OpenLedger {
         key: &str,
         files: BTreeMap<String, Vec<String>>,
     ) -> Result<(), PipelineError> {
-        self.enter(Entry::Left {
-            key: key.to_owned(),
-            files,
-        })
+        self.enter(Entry::Left { key: key.to_owned(), files })
     }
 
     pub(crate) fn forget(&mut self, key: &str) -> Result<(), PipelineError> {
-        self.enter(Entry::Forgotten {
-            key: key.to_owned(),
-        })
+        self.enter(Entry::Forgotten { key: key.to_owned() })
     }
 
     fn enter(&mut self, entry: Entry) -> Result<(), PipelineError> {

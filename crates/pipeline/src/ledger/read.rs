@@ -30,11 +30,7 @@ pub(crate) fn load(path: &Path, pipeline: Option<&str>) -> Result<Loaded, Pipeli
         },
     };
     let replayed = journal::replay(&journal::journal_of(path), hash.as_ref(), &mut ledger)?;
-    Ok(Loaded {
-        ledger,
-        hash,
-        replayed,
-    })
+    Ok(Loaded { ledger, hash, replayed })
 }
 
 /// As [`load`], of a pipeline that runs in `place`.
@@ -61,10 +57,7 @@ struct AnyVersion {
 }
 
 fn parse(path: &Path, bytes: Vec<u8>, pipeline: Option<&str>) -> Result<Ledger, PipelineError> {
-    let damaged = |message: String| PipelineError::LedgerDamaged {
-        path: path.to_owned(),
-        message,
-    };
+    let damaged = |message: String| PipelineError::LedgerDamaged { path: path.to_owned(), message };
     let text = String::from_utf8(bytes).map_err(|_| damaged("it is not text".to_owned()))?;
     let damaged_at = |error: toml::de::Error| {
         let line = error.span().and_then(|span| text.get(..span.start));
@@ -126,10 +119,7 @@ mod tests {
             ),
         ] {
             let error = read(text).unwrap_err();
-            assert!(
-                matches!(error, PipelineError::LedgerDamaged { .. }),
-                "{error}"
-            );
+            assert!(matches!(error, PipelineError::LedgerDamaged { .. }), "{error}");
             assert!(error.suggestion().unwrap().contains("delete it"));
         }
         assert!(read(good).is_ok());

@@ -18,11 +18,7 @@ fn parallel_stages_overlap_and_make_what_one_at_a_time_makes() {
     };
     let join = "[[stage]]\nname = 'join'\ninputs = ['a.txt', 'b.txt']\noutputs = ['c.txt']\n\
                 cmd = ['sh', '-c', 'cat a.txt b.txt > c.txt']\n";
-    let text = format!(
-        "name = 'test'\n{}{}{join}",
-        stage("a", "b"),
-        stage("b", "a")
-    );
+    let text = format!("name = 'test'\n{}{}{join}", stage("a", "b"), stage("b", "a"));
     let mut project = Project::new(&text);
     project.options.jobs = Some(2.try_into().unwrap());
     assert_eq!(project.ran(), ["a", "b", "join"]);
@@ -126,18 +122,12 @@ fn events_come_in_order_with_their_reasons_and_lines() {
         heard.push(match event {
             Event::Started { stage, reasons, .. } => format!("{stage} starts: {}", reasons[0]),
             Event::Line { stage, line } => format!("{stage}: {line}"),
-            Event::Finished {
-                settled, wanted, ..
-            } => format!("{settled} of {wanted}"),
+            Event::Finished { settled, wanted, .. } => format!("{settled} of {wanted}"),
             other => format!("{other:?}"),
         });
     };
     let (pipeline, place) = (project.pipeline(), project.place());
     run(&pipeline, &place, &project.options, &mut observe).unwrap();
-    let expected = [
-        "a starts: there is no record of a finished run",
-        "a: working",
-        "1 of 1",
-    ];
+    let expected = ["a starts: there is no record of a finished run", "a: working", "1 of 1"];
     assert_eq!(heard, expected);
 }

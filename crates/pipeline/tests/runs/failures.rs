@@ -12,10 +12,7 @@ fn a_missing_source_is_refused_before_anything_runs() {
         error.to_string(),
         "stage `one` needs `sauce.txt`, which does not exist and which no stage makes"
     );
-    assert_eq!(
-        project.why("one")[1],
-        "input `sauce.txt` does not exist and no stage makes it"
-    );
+    assert_eq!(project.why("one")[1], "input `sauce.txt` does not exist and no stage makes it");
     assert!(!project.path("state").exists());
 }
 
@@ -50,10 +47,7 @@ fn a_damaged_ledger_is_left_as_it_is() {
     project.ran();
     project.write("state/test.lock", "damaged");
     let error = project.try_run().unwrap_err();
-    assert!(
-        matches!(error, PipelineError::LedgerDamaged { .. }),
-        "{error}"
-    );
+    assert!(matches!(error, PipelineError::LedgerDamaged { .. }), "{error}");
     assert_eq!(project.read("state/test.lock"), "damaged");
     fs::remove_file(project.place().ledger).unwrap();
     project.options.move_aside = true;
@@ -96,16 +90,9 @@ fn a_failure_stops_the_run_and_says_how_to_repeat_the_stage() {
     assert_eq!(report.outcome, Outcome::Failed);
     assert_eq!(in_state(&report, State::Ready), ["apart"]);
     let failure = &report.failures[0];
-    assert_eq!(
-        failure.to_string(),
-        "stage `bad` failed: its program ended with exit status 3"
-    );
+    assert_eq!(failure.to_string(), "stage `bad` failed: its program ended with exit status 3");
     assert_eq!(failure.last_lines, ["no such column"]);
-    assert!(
-        fs::read_to_string(failure.log.as_ref().unwrap())
-            .unwrap()
-            .contains("no such column")
-    );
+    assert!(fs::read_to_string(failure.log.as_ref().unwrap()).unwrap().contains("no such column"));
     let repeated = std::process::Command::new("sh")
         .args(["-c", failure.repeat.as_deref().unwrap()])
         .output()
@@ -137,10 +124,7 @@ fn a_stage_that_lies_about_its_outputs_fails_and_a_program_that_is_not_there_too
     );
     project.options.keep_going = true;
     let failures = texts(&project.run().failures);
-    assert_eq!(
-        failures[0],
-        "stage `liar` failed: its program ended well but did not make a, b"
-    );
+    assert_eq!(failures[0], "stage `liar` failed: its program ended well but did not make a, b");
     assert!(failures[1].contains("`no-such-program-here` cannot be started"));
 }
 
@@ -156,13 +140,7 @@ fn a_stage_is_tried_again_as_often_as_it_may() {
     project.text = project.text.replace("retries = 1", "retries = 2");
     let mut heard = Vec::new();
     let mut observe = |event: Event<'_>| {
-        if let Event::Retried {
-            cause,
-            retry,
-            retries,
-            ..
-        } = event
-        {
+        if let Event::Retried { cause, retry, retries, .. } = event {
             heard.push(format!("{cause} ({retry} of {retries})"));
         }
     };
@@ -171,9 +149,6 @@ fn a_stage_is_tried_again_as_often_as_it_may() {
     let report = run(&pipeline, &place, &project.options, &mut observe).unwrap();
     assert_eq!(report.outcome, Outcome::Done);
     let said = "its program ended with exit status 1";
-    assert_eq!(
-        heard,
-        [format!("{said} (1 of 2)"), format!("{said} (2 of 2)")]
-    );
+    assert_eq!(heard, [format!("{said} (1 of 2)"), format!("{said} (2 of 2)")]);
     assert_eq!(project.read("a"), "x\n", "each try starts clean");
 }

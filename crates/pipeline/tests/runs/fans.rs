@@ -39,13 +39,8 @@ fn a_row_that_left_its_table_leaves_the_results_too() {
         project.why("table"),
         ["`rows/cities.txt`, which it read, is no longer made by any stage"]
     );
-    let findings = verify(&project.pipeline(), &project.place())
-        .unwrap()
-        .findings;
-    let states: Vec<_> = findings
-        .iter()
-        .map(|f| (f.path.as_str(), f.state))
-        .collect();
+    let findings = verify(&project.pipeline(), &project.place()).unwrap().findings;
+    let states: Vec<_> = findings.iter().map(|f| (f.path.as_str(), f.state)).collect();
     assert_eq!(states, [("rows/cities.txt", FileState::NoLongerMade)]);
     let report = project.run();
     assert_eq!(in_state(&report, State::Done), ["table"]);
@@ -54,12 +49,7 @@ fn a_row_that_left_its_table_leaves_the_results_too() {
     assert_eq!(warnings, [warning]);
     assert_eq!(project.read("table.txt"), "moby\npride\n0\n1\n");
     assert!(!project.path("rows/cities.txt").exists());
-    assert!(
-        verify(&project.pipeline(), &project.place())
-            .unwrap()
-            .findings
-            .is_empty()
-    );
+    assert!(verify(&project.pipeline(), &project.place()).unwrap().findings.is_empty());
     assert!(project.ran().is_empty());
     project.write("books.csv", "book\nmoby\npride\ncities\n");
     assert_eq!(project.ran(), ["row.cities", "table"]);
@@ -92,10 +82,7 @@ fn what_a_fan_no_longer_makes_stays_where_somebody_changed_it_and_is_named() {
     project.write("rows/cities.txt", "mine\n");
     let report = project.run();
     let warning = report.warnings[0].to_string();
-    assert!(
-        warning.contains("`rows/cities.txt` changed by hand"),
-        "{warning}"
-    );
+    assert!(warning.contains("`rows/cities.txt` changed by hand"), "{warning}");
     assert_eq!(project.read("rows/cities.txt"), "mine\n");
     project.options.move_aside = true;
     let warnings = texts(&project.run().warnings);

@@ -52,17 +52,11 @@ impl Project {
     }
 
     fn place_with(&self, program: Program) -> Place {
-        Place {
-            program: Some(program),
-            ..self.place()
-        }
+        Place { program: Some(program), ..self.place() }
     }
 
     fn pipeline(&self) -> Pipeline {
-        let settings = Settings {
-            set: self.overrides.clone(),
-            ..Settings::default()
-        };
+        let settings = Settings { set: self.overrides.clone(), ..Settings::default() };
         Pipeline::parse(&self.text, Path::new("test.toml"), self.root(), &settings).unwrap()
     }
 

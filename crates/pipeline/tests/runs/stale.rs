@@ -23,16 +23,9 @@ fn a_changed_parameter_rebuilds_what_follows_and_only_that() {
     let mut project = chain();
     project.ran();
     project.overrides = vec![("word".to_owned(), "fin".to_owned())];
-    assert_eq!(
-        project.why("two"),
-        ["parameter `word` changed from end to fin"]
-    );
+    assert_eq!(project.why("two"), ["parameter `word` changed from end to fin"]);
     assert_eq!(project.ran(), ["two"]);
-    assert!(
-        project
-            .read("state/test.lock")
-            .contains("[run.\"out/two.txt\".set]\nword = \"fin\"")
-    );
+    assert!(project.read("state/test.lock").contains("[run.\"out/two.txt\".set]\nword = \"fin\""));
     project.overrides.push(("seed".to_owned(), "2".to_owned()));
     let plan = plan(&project.pipeline(), &project.place(), &[], false).unwrap();
     let stale = plan.iter().filter(|s| !s.up_to_date).map(|s| &*s.stage);
@@ -167,15 +160,9 @@ fn our_program_counts_by_the_version_of_its_command_and_not_by_its_path() {
     };
     let touch = "/usr/bin/touch";
     assert_eq!(in_state(&run_with(touch, "1"), State::Done), ["a"]);
-    assert_eq!(
-        in_state(&run_with("/elsewhere/tool", "1"), State::UpToDate),
-        ["a"]
-    );
+    assert_eq!(in_state(&run_with("/elsewhere/tool", "1"), State::UpToDate), ["a"]);
     let report = run_with(touch, "2");
-    assert_eq!(
-        report.stages[0].reasons[0].to_string(),
-        "`tool a.txt` changed from version 1 to 2"
-    );
+    assert_eq!(report.stages[0].reasons[0].to_string(), "`tool a.txt` changed from version 1 to 2");
 }
 
 #[test]
@@ -200,11 +187,7 @@ fn a_trace_says_that_what_it_traces_was_edited_since() {
     let project = chain();
     project.run();
     let ledger = Ledger::read(&project.place().ledger, "test").unwrap();
-    let lines = || {
-        trace(&ledger, &project.place(), "out/two.txt")
-            .unwrap()
-            .lines()
-    };
+    let lines = || trace(&ledger, &project.place(), "out/two.txt").unwrap().lines();
     assert!(!lines().join("\n").contains("changed since"));
     project.write("out/two.txt", "by hand\n");
     assert!(lines().contains(&"     made out/two.txt (changed since)".to_owned()));
@@ -227,18 +210,8 @@ fn files_that_differ_in_texts_alone_do_not_count_numbers() {
             outputs: vec![difference],
         }];
         let (only_first, only_second, same) = (Vec::new(), Vec::new(), 0);
-        RunDifference {
-            only_first,
-            only_second,
-            stages,
-            same,
-        }
-        .lines()[1]
-            .clone()
+        RunDifference { only_first, only_second, stages, same }.lines()[1].clone()
     };
     assert_eq!(line(0), "  a.csv: has other texts");
-    assert_eq!(
-        line(3),
-        "  a.csv: all 3 numbers are the same, other parts differ"
-    );
+    assert_eq!(line(3), "  a.csv: all 3 numbers are the same, other parts differ");
 }

@@ -11,17 +11,8 @@ fn a_pipeline_that_ran_elsewhere_does_not_take_files_of_the_same_names_here_for_
     let here = tempfile::tempdir().unwrap();
     fs::write(here.path().join("source.txt"), "1\n").unwrap();
     fs::write(here.path().join("one.txt"), "mine").unwrap();
-    let elsewhere = Place {
-        root: here.path().to_owned(),
-        ..project.place()
-    };
-    let error = run(
-        &project.pipeline(),
-        &elsewhere,
-        &project.options,
-        &mut |_| {},
-    )
-    .unwrap_err();
+    let elsewhere = Place { root: here.path().to_owned(), ..project.place() };
+    let error = run(&project.pipeline(), &elsewhere, &project.options, &mut |_| {}).unwrap_err();
     assert!(matches!(error, PipelineError::OtherRoot { .. }), "{error}");
     assert!(error.to_string().contains("is of runs in "), "{error}");
     let cleaned = clean(&project.pipeline(), &elsewhere, &[], true, false);
@@ -118,11 +109,7 @@ fn a_file_that_no_run_made_is_named_never_deleted_and_never_read() {
     assert_eq!(report.failures[0].repeat, None);
     assert_eq!(in_state(&report, State::Wanted), ["count"]);
     project.options.force = true;
-    assert_eq!(
-        project.run().outcome,
-        Outcome::Failed,
-        "force does not remove it"
-    );
+    assert_eq!(project.run().outcome, Outcome::Failed, "force does not remove it");
     project.options.force = false;
     project.options.move_aside = true;
     let report = project.run();
@@ -140,22 +127,13 @@ fn a_file_in_the_place_of_an_output_stays_too() {
     let mut project = chain();
     project.write("one.txt", "mine");
     let report = project.run();
-    assert!(
-        report.failures[0]
-            .to_string()
-            .contains("one.txt in its outputs, made by no run")
-    );
+    assert!(report.failures[0].to_string().contains("one.txt in its outputs, made by no run"));
     assert_eq!(project.read("one.txt"), "mine");
     project.options.move_aside = true;
     assert_eq!(project.ran(), ["one", "two", "folder"]);
     let aside = fs::read_dir(project.root()).unwrap().flatten();
-    let aside = aside
-        .map(|e| e.path())
-        .find(|p| p.to_string_lossy().contains("moved-aside-"));
-    assert_eq!(
-        fs::read_to_string(aside.unwrap().join("one.txt")).unwrap(),
-        "mine"
-    );
+    let aside = aside.map(|e| e.path()).find(|p| p.to_string_lossy().contains("moved-aside-"));
+    assert_eq!(fs::read_to_string(aside.unwrap().join("one.txt")).unwrap(), "mine");
 }
 
 #[test]
@@ -167,10 +145,7 @@ fn what_a_failed_stage_left_is_its_own_and_what_came_later_is_not() {
     project.write("out/parts/deep/notes", "mine");
     project.remove("fail");
     let failure = project.run().failures[0].to_string();
-    assert!(
-        failure.contains("out/parts/deep/notes in its outputs"),
-        "{failure}"
-    );
+    assert!(failure.contains("out/parts/deep/notes in its outputs"), "{failure}");
     project.remove("out/parts/deep/notes");
     assert_eq!(project.ran(), ["split", "count"]);
 }
@@ -265,24 +240,16 @@ fn an_output_of_a_stage_that_is_gone_stays_where_it_is_a_source_now() {
             "stage `{reader}` reads `{path}` as it is: stage `{stage}`, which made it, is no longer in the pipeline"
         )
     };
-    assert_eq!(
-        warnings,
-        [
-            said("two", "one.txt", "one"),
-            said("sum", "parts", "folder")
-        ]
-    );
+    assert_eq!(warnings, [said("two", "one.txt", "one"), said("sum", "parts", "folder")]);
     assert!(project.path("one.txt").exists() && project.path("parts/1").exists());
 }
 
 #[cfg(unix)]
 #[test]
 fn what_stands_behind_a_link_that_took_the_place_of_an_output_is_never_replaced() {
-    for (link, other, output) in [
-        ("out", "two.txt", "out/two.txt"),
-        ("parts", "1", "parts"),
-        ("one.txt", "", "one.txt"),
-    ] {
+    for (link, other, output) in
+        [("out", "two.txt", "out/two.txt"), ("parts", "1", "parts"), ("one.txt", "", "one.txt")]
+    {
         let mut project = chain();
         project.run();
         let elsewhere = tempfile::tempdir().unwrap();
@@ -301,10 +268,7 @@ fn what_stands_behind_a_link_that_took_the_place_of_an_output_is_never_replaced(
         assert_eq!(report.failures.len(), 1, "{link}");
         let message = report.failures[0].cause.to_string();
         let start = format!("`{output}` lies behind the link `{link}` to ");
-        assert!(
-            message.starts_with(&start) && message.contains("/target,"),
-            "{message}"
-        );
+        assert!(message.starts_with(&start) && message.contains("/target,"), "{message}");
         assert_eq!(fs::read_to_string(&file).unwrap(), "somebody's");
         // The outputs themselves may be kept elsewhere.
         if !other.is_empty() {

@@ -9,12 +9,7 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     let (mine, theirs) = (with_cache(), with_cache());
     assert_eq!(mine.run_with(State::Done).len(), 9);
     let report = theirs.run();
-    assert!(
-        report
-            .stages
-            .iter()
-            .all(|stage| stage.state == State::Restored)
-    );
+    assert!(report.stages.iter().all(|stage| stage.state == State::Restored));
     assert!(report.summaries[0].text.contains("words in all"));
     assert_eq!(theirs.read("made/table.csv"), TABLE);
     assert_eq!(theirs.run_with(State::UpToDate).len(), 9);
@@ -23,10 +18,8 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     // Damaged: said, thrown out, made again and put in again.
     let mut damaged = 0;
     let content = cache.path().join("v1/content");
-    for entry in fs::read_dir(&content)
-        .unwrap()
-        .flatten()
-        .flat_map(|e| fs::read_dir(e.path()).unwrap())
+    for entry in
+        fs::read_dir(&content).unwrap().flatten().flat_map(|e| fs::read_dir(e.path()).unwrap())
     {
         let path = entry.unwrap().path();
         if fs::read_to_string(&path).unwrap() == TABLE {
@@ -38,11 +31,7 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     let next = with_cache();
     let report = next.run();
     assert_eq!(report.warnings.len(), 1);
-    assert!(
-        report.warnings[0]
-            .to_string()
-            .contains("damaged for stage `table`")
-    );
+    assert!(report.warnings[0].to_string().contains("damaged for stage `table`"));
     assert_eq!(next.read("made/table.csv"), TABLE);
     let last = with_cache();
     assert_eq!(last.run_with(State::Restored).len(), 9);
@@ -53,11 +42,7 @@ fn a_colleague_with_the_same_inputs_takes_everything_from_the_cache() {
     let warnings = without.run().warnings;
     assert_eq!(warnings.len(), 9);
     #[cfg(unix)]
-    assert!(
-        warnings[0].to_string().contains(": Not a directory"),
-        "{}",
-        warnings[0]
-    );
+    assert!(warnings[0].to_string().contains(": Not a directory"), "{}", warnings[0]);
 }
 
 #[test]
@@ -71,9 +56,7 @@ fn an_entry_of_the_cache_that_could_write_anywhere_is_not_believed() {
     let first = with_cache();
     first.run();
     let entries = || {
-        let folders = fs::read_dir(cache.path().join("v1/made"))
-            .unwrap()
-            .flatten();
+        let folders = fs::read_dir(cache.path().join("v1/made")).unwrap().flatten();
         let files = folders.flat_map(|e| fs::read_dir(e.path()).unwrap());
         files.map(|e| e.unwrap().path()).collect::<Vec<_>>()
     };
@@ -107,22 +90,14 @@ fn an_entry_of_the_cache_that_could_write_anywhere_is_not_believed() {
         let books = next.read("books.csv");
         let report = next.run();
         assert_eq!(report.warnings.len(), 1, "{bad}: {:?}", report.warnings);
-        assert!(
-            report.warnings[0]
-                .to_string()
-                .contains("damaged for stage `table`")
-        );
+        assert!(report.warnings[0].to_string().contains("damaged for stage `table`"));
         assert_eq!(
             (next.read("made/table.csv"), next.read("books.csv")),
             (TABLE.to_owned(), books)
         );
         assert!(!next.path("../outside").exists() && !Path::new("/tmp/outside").exists());
     }
-    assert_eq!(
-        with_cache().run_with(State::Restored).len(),
-        9,
-        "it was put in again"
-    );
+    assert_eq!(with_cache().run_with(State::Restored).len(), 9, "it was put in again");
 }
 
 #[test]
@@ -130,9 +105,7 @@ fn a_folder_in_the_place_of_a_file_of_the_cache_is_no_file_and_stays() {
     let cache = tempfile::tempdir().unwrap();
     let with_cache = || Novels::with_cache(cache.path());
     with_cache().run();
-    let content = fs::read_dir(cache.path().join("v1/content"))
-        .unwrap()
-        .flatten();
+    let content = fs::read_dir(cache.path().join("v1/content")).unwrap().flatten();
     let mut files = content.flat_map(|e| fs::read_dir(e.path()).unwrap().flatten());
     let is_table = |path: &std::path::PathBuf| fs::read_to_string(path).unwrap() == TABLE;
     let blob = files.find_map(|e| Some(e.path()).filter(is_table)).unwrap();
@@ -144,14 +117,8 @@ fn a_folder_in_the_place_of_a_file_of_the_cache_is_no_file_and_stays() {
     assert_eq!(report.outcome, Outcome::Done, "{:?}", report.failures);
     assert_eq!(next.read("made/table.csv"), TABLE);
     let warnings: Vec<String> = report.warnings.iter().map(ToString::to_string).collect();
-    assert!(
-        warnings[0].contains("damaged for stage `table`"),
-        "{warnings:?}"
-    );
-    assert!(
-        warnings[1].contains("was not put into the cache"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].contains("damaged for stage `table`"), "{warnings:?}");
+    assert!(warnings[1].contains("was not put into the cache"), "{warnings:?}");
     assert!(blob.join("mine").exists());
 }
 
@@ -187,12 +154,7 @@ fn what_is_restored_is_as_private_as_what_a_stage_makes() {
 fn a_url_is_refused_as_a_cache_before_anything_runs() {
     let url = Path::new("s3://bucket/cache");
     let novels = Novels::with_cache(url);
-    let refused = run(
-        &novels.pipeline(),
-        &novels.place(),
-        &novels.options,
-        &mut |_| {},
-    );
+    let refused = run(&novels.pipeline(), &novels.place(), &novels.options, &mut |_| {});
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("s3://bucket/cache"), "{message}");
     assert!(!Path::new("s3:").exists());

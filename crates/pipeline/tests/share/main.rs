@@ -22,16 +22,8 @@ struct Novels {
 impl Novels {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        copy(
-            Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/novels")),
-            folder.path(),
-        );
-        Self {
-            folder,
-            set: Vec::new(),
-            variant: None,
-            options: RunOptions::default(),
-        }
+        copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/novels")), folder.path());
+        Self { folder, set: Vec::new(), variant: None, options: RunOptions::default() }
     }
 
     fn with_cache(cache: &Path) -> Self {

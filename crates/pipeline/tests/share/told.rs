@@ -12,21 +12,10 @@ fn verify_reads_everything_again() {
     assert!(found.findings.is_empty() && found.compared > 9, "{found:?}");
     fs::write(novels.path("made/table.csv"), "edited").unwrap();
     fs::remove_file(novels.path("texts/moby.txt")).unwrap();
-    let found = verify(&novels.pipeline(), &novels.place())
-        .unwrap()
-        .findings;
-    let told: Vec<_> = found
-        .iter()
-        .map(|f| (f.stage.as_str(), f.role, f.state))
-        .collect();
-    assert!(
-        told.contains(&("table", Role::Output, FileState::Changed)),
-        "{told:?}"
-    );
-    assert!(
-        told.contains(&("count.moby", Role::Input, FileState::Missing)),
-        "{told:?}"
-    );
+    let found = verify(&novels.pipeline(), &novels.place()).unwrap().findings;
+    let told: Vec<_> = found.iter().map(|f| (f.stage.as_str(), f.role, f.state)).collect();
+    assert!(told.contains(&("table", Role::Output, FileState::Changed)), "{told:?}");
+    assert!(told.contains(&("count.moby", Role::Input, FileState::Missing)), "{told:?}");
 }
 
 #[test]
@@ -37,37 +26,19 @@ fn trace_walks_back_to_the_rows_and_files() {
     let found = trace("made/table.csv").unwrap();
     assert_eq!(found.stages.len(), 9);
     assert_eq!(found.stages[0].stage, "table");
-    let sources: Vec<_> = found
-        .sources
-        .iter()
-        .map(|source| source.path.as_str())
-        .collect();
-    assert_eq!(
-        sources,
-        ["texts/cities.txt", "texts/moby.txt", "texts/pride.txt"]
-    );
+    let sources: Vec<_> = found.sources.iter().map(|source| source.path.as_str()).collect();
+    assert_eq!(sources, ["texts/cities.txt", "texts/moby.txt", "texts/pride.txt"]);
     let of_one = trace("./made/rows/pride.csv").unwrap();
     let names: Vec<_> = of_one.stages.iter().map(|s| s.stage.as_str()).collect();
     assert_eq!(names, ["row.pride.1813", "count.pride"]);
     let lines = of_one.lines();
-    assert_eq!(
-        lines[1],
-        "<- stage row.pride.1813 (row on line 3 of books.csv)"
-    );
+    assert_eq!(lines[1], "<- stage row.pride.1813 (row on line 3 of books.csv)");
     assert!(lines[3].starts_with("     took "), "{lines:?}");
     fs::write(novels.path("texts/pride.txt"), "other").unwrap();
     let lines = trace("made/rows/pride.csv").unwrap().lines();
-    assert!(
-        lines
-            .last()
-            .unwrap()
-            .ends_with("texts/pride.txt (changed since)")
-    );
+    assert!(lines.last().unwrap().ends_with("texts/pride.txt (changed since)"));
     let error = trace("made/tabel.csv").unwrap_err();
-    assert_eq!(
-        error.suggestion().as_deref(),
-        Some("did you mean `made/table.csv`?")
-    );
+    assert_eq!(error.suggestion().as_deref(), Some("did you mean `made/table.csv`?"));
     let root = novels.folder.path();
     assert_eq!(below_root(&root.join("made/../a.csv"), root), "a.csv");
 }
@@ -90,17 +61,11 @@ fn diff_names_parameters_inputs_and_numbers() {
     assert_eq!(found.only_first, ["row.pride.1813"]);
     let lines = found.lines().join("\n");
     assert!(lines.contains("input `texts/moby.txt` changed"), "{lines}");
-    assert!(
-        lines.contains("{out}/table.csv: 1 of 3 numbers differ"),
-        "{lines}"
-    );
+    assert!(lines.contains("{out}/table.csv: 1 of 3 numbers differ"), "{lines}");
     assert!(lines.contains("pride, year: 1813 -> 1814"), "{lines}");
     fs::write(second.path("there/table.csv"), "edited").unwrap();
     let lines = diff(&first.at(), &second.at()).unwrap().lines().join("\n");
-    assert!(
-        lines.contains("no longer what the second run had made"),
-        "{lines}"
-    );
+    assert!(lines.contains("no longer what the second run had made"), "{lines}");
 }
 
 #[test]
@@ -111,14 +76,7 @@ fn clean_removes_what_was_made_here_and_nothing_else() {
     fs::write(novels.path("made/notes.txt"), "mine").unwrap();
     let clean = |targets: &[&str], force, dry_run| {
         let targets: Vec<String> = targets.iter().map(|t| (*t).to_owned()).collect();
-        clean(
-            &novels.pipeline(),
-            &novels.place(),
-            &targets,
-            force,
-            dry_run,
-        )
-        .unwrap()
+        clean(&novels.pipeline(), &novels.place(), &targets, force, dry_run).unwrap()
     };
     assert_eq!(clean(&[], false, true).removed.len(), 8);
     assert_eq!(novels.read("made/table.csv"), TABLE);
@@ -147,25 +105,12 @@ fn variants_stand_side_by_side_and_are_compared_and_cleaned_apart() {
     let second = novels.at();
     (novels.variant, novels.set) = (None, Vec::new());
     assert_eq!(novels.run_with(State::UpToDate).len(), 9);
-    assert!(
-        novels.run().summaries[0]
-            .text
-            .contains("moby,1851,the and i\n")
-    );
+    assert!(novels.run().summaries[0].text.contains("moby,1851,the and i\n"));
     assert_eq!(novels.read("made/table.csv"), TABLE);
-    assert_eq!(
-        second.ledger.variants().into_iter().collect::<Vec<_>>(),
-        ["two"]
-    );
+    assert_eq!(second.ledger.variants().into_iter().collect::<Vec<_>>(), ["two"]);
     let lines = diff(&novels.at(), &second).unwrap().lines().join("\n");
-    assert!(
-        lines.contains("parameter `top` changed from 3 to 2"),
-        "{lines}"
-    );
-    assert!(
-        !lines.contains("`out`") && lines.contains("{out}/table.csv"),
-        "{lines}"
-    );
+    assert!(lines.contains("parameter `top` changed from 3 to 2"), "{lines}");
+    assert!(!lines.contains("`out`") && lines.contains("{out}/table.csv"), "{lines}");
     let trace = trace(&second.ledger, &novels.place(), "made-two/table.csv").unwrap();
     assert_eq!(trace.stages.len(), 9);
     assert!(trace.sources.iter().all(|s| !s.path.starts_with("made")));
@@ -173,16 +118,9 @@ fn variants_stand_side_by_side_and_are_compared_and_cleaned_apart() {
     novels.set = vec![("top".to_owned(), "1".to_owned())];
     let warnings = novels.run().warnings;
     let expected = "the former results (top=3, now 1) were replaced; `--variant NAME` keeps both";
-    assert_eq!(
-        warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        [expected]
-    );
+    assert_eq!(warnings.iter().map(ToString::to_string).collect::<Vec<_>>(), [expected]);
     novels.set = Vec::new();
-    assert!(
-        novels.run().warnings[0]
-            .to_string()
-            .contains("top=1, now 3")
-    );
+    assert!(novels.run().warnings[0].to_string().contains("top=1, now 3"));
     let cleaned = clean(&novels.pipeline(), &novels.place(), &[], false, false).unwrap();
     assert_eq!((cleaned.removed.len(), cleaned.kept.len()), (9, 0));
     assert!(!novels.path("made").exists() && novels.path("made-two/table.csv").exists());

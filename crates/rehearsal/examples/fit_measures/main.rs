@@ -78,10 +78,7 @@ fn see(path: &str, n: usize, seed: u64) -> Result<Vec<Seen>, Wrong> {
     let learns = |d: &PlannedDrive| d.part == Part::Learn;
     let (learned, tested): (Vec<_>, Vec<_>) = cohort.drives.iter().cloned().partition(learns);
     let drives = driven(&learned, &who, &scenario, seed, |d| d)?;
-    let training = drives.iter().map(|drive| TrainingDrive {
-        drive,
-        adb: score(drive),
-    });
+    let training = drives.iter().map(|drive| TrainingDrive { drive, adb: score(drive) });
     let training: Vec<TrainingDrive<'_>> = training.collect();
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let model = train(&training, &TrainSettings::default(), seed, go_on)?.model;
@@ -111,10 +108,7 @@ fn see(path: &str, n: usize, seed: u64) -> Result<Vec<Seen>, Wrong> {
             let car = Driver::Automated(&mut planner, &controllers);
             let driven = rollout(&scenario, car, world)?;
             let recording = &driven.recording;
-            Ok(values(&Drive::from_recording(
-                drive.meta().clone(),
-                recording,
-            )?))
+            Ok(values(&Drive::from_recording(drive.meta().clone(), recording)?))
         };
         let car: Result<Vec<Values>, Wrong> = style.iter().map(ride).collect();
         Ok(Seen {
@@ -144,21 +138,15 @@ fn fit_measure(m: &mut DrawnMeasure, k: usize, seen: &[Seen], shared: f64) -> Re
     (m.mean, m.sd) = (rounded(mean(&own_values)), rounded(sd(&own_values)));
     m.missing = rounded(1.0 - own_values.len() as f64 / seen.len() as f64);
     let z = |value: Option<f64>| value.map(|v| standardised(m, v));
-    let of_traits: Vec<([f64; 3], f64)> = seen
-        .iter()
-        .filter_map(|s| Some((s.traits, z(s.own[k])?)))
-        .collect();
+    let of_traits: Vec<([f64; 3], f64)> =
+        seen.iter().filter_map(|s| Some((s.traits, z(s.own[k])?))).collect();
     let (loadings, _) = least_squares(&of_traits)?;
     // Of those with all drives: error in the own style, and what each setting adds to it.
     let complete: Vec<(f64, [f64; 3], f64)> = seen
         .iter()
         .filter_map(|s| {
             let mimic = z(s.car[0][k])?;
-            let moved = [
-                z(s.car[1][k])? - mimic,
-                z(s.car[2][k])? - mimic,
-                z(s.car[3][k])? - mimic,
-            ];
+            let moved = [z(s.car[1][k])? - mimic, z(s.car[2][k])? - mimic, z(s.car[3][k])? - mimic];
             Some((mimic - z(s.own[k])?, moved, s.angle))
         })
         .collect();
@@ -172,18 +160,11 @@ fn fit_measure(m: &mut DrawnMeasure, k: usize, seen: &[Seen], shared: f64) -> Re
     // Two drives of the car differ by their own errors as well.
     let roads = 2.0 * error_sd * error_sd * (1.0 - shared);
     let beyond = |sd: f64| rounded((sd * sd - roads).max(0.0).sqrt());
-    let step = |values: &[f64]| Step {
-        step: rounded(mean(values)),
-        sd: beyond(sd(values)),
-    };
+    let step = |values: &[f64]| Step { step: rounded(mean(values)), sd: beyond(sd(values)) };
     m.loadings = TRAITS.into_iter().zip(loadings.map(rounded)).collect();
     (m.bias, m.error_sd) = (rounded(mean(&error)), rounded(error_sd));
     (m.up, m.down) = (step(&up), step(&down));
-    m.across = Round {
-        cosine: rounded(cosine),
-        sine: rounded(sine),
-        sd: beyond(left),
-    };
+    m.across = Round { cosine: rounded(cosine), sine: rounded(sine), sd: beyond(left) };
     // cov(error, error + moved) over var(error).
     let settings = [&up, &down];
     let common = settings.map(|moved| 1.0 + covariance(&error, moved) / error_sd.powi(2));
@@ -208,9 +189,7 @@ fn fit(model: &mut PopulationModel, seen: &[Seen]) -> Result<(), Wrong> {
         let Some(MeasureModel::Derived(m)) = model.measures.get_mut(*name) else {
             continue;
         };
-        let (metres, speed) = place(&m.metres)
-            .zip(place(&m.velocity))
-            .ok_or("no such measure")?;
+        let (metres, speed) = place(&m.metres).zip(place(&m.velocity)).ok_or("no such measure")?;
         let ratio = |s: &Seen| Some(s.own[k]? / (s.own[metres]? / s.own[speed]?));
         let ratios: Vec<f64> = seen.iter().filter_map(ratio).collect();
         m.factor = rounded(mean(&ratios));
@@ -246,9 +225,7 @@ fn main() -> Result<(), Wrong> {
     PopulationModel::from_toml(&text)?;
     println!(
         "{}{text}",
-        HEAD.replace("{path}", path)
-            .replace("{n}", n)
-            .replace("{command}", &command)
+        HEAD.replace("{path}", path).replace("{n}", n).replace("{command}", &command)
     );
     Ok(())
 }

@@ -30,26 +30,16 @@ pub(crate) fn errors(
     let learns = |d: &PlannedDrive| d.part == Part::Learn;
     let (learned, tested): (Vec<_>, Vec<_>) = cohort.drives.iter().cloned().partition(learns);
     let drives = driven(&learned, who, &scenario, seed, |d| d)?;
-    let training: Vec<TrainingDrive<'_>> = drives
-        .iter()
-        .map(|drive| TrainingDrive {
-            drive,
-            adb: scores(drive),
-        })
-        .collect();
-    let settings = TrainSettings {
-        heads,
-        ..TrainSettings::default()
-    };
+    let training: Vec<TrainingDrive<'_>> =
+        drives.iter().map(|drive| TrainingDrive { drive, adb: scores(drive) }).collect();
+    let settings = TrainSettings { heads, ..TrainSettings::default() };
     let go_on = &mut |_: &_| ControlFlow::Continue(());
     let alone = train(&training, &settings, seed, go_on)?.model;
     let own_drives: Vec<PlannedDrive> = learned.into_iter().filter(|d| !d.role).collect();
     let second = driven(&again(&own_drives)?, who, &scenario, seed, |d| d)?;
     let owner = |a: &Drive, b: &Drive| a.meta().participant == b.meta().participant;
-    let twice: Vec<[&Drive; 2]> = second
-        .iter()
-        .filter_map(|s| Some([drives.iter().find(|d| owner(d, s))?, s]))
-        .collect();
+    let twice: Vec<[&Drive; 2]> =
+        second.iter().filter_map(|s| Some([drives.iter().find(|d| owner(d, s))?, s])).collect();
     let knowing = learn_days(&alone, &training, 1.0, &twice, seed)?;
     let [of_drive, of_person] = [&alone, &knowing].map(|model| {
         let prior = matches!(model.heads(), Heads::Linear(_));
@@ -65,9 +55,5 @@ pub(crate) fn errors(
         let first: Vec<Option<Known>> = known(&tested)?;
         Ok::<Held, Wrong>(held(&first, &known(&again(&tested)?)?, prior, 1)?)
     });
-    Ok(Errors {
-        of_drive: of_drive?,
-        of_person: of_person?,
-        days: knowing.days().cloned(),
-    })
+    Ok(Errors { of_drive: of_drive?, of_person: of_person?, days: knowing.days().cloned() })
 }

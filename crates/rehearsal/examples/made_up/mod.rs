@@ -17,13 +17,7 @@ pub(crate) type Wrong = Box<dyn Error + Send + Sync>;
 /// `learn` people who are learned from and `test` who are tested.
 pub(crate) fn cohort(learn: usize, test: usize, seed: u64) -> Result<Cohort, Wrong> {
     let design = Design::from_toml(maveric_data::DESIGNS_PAPER)?;
-    Ok(Cohort::draw(
-        learn,
-        test,
-        seed,
-        &CohortSettings::default(),
-        &design,
-    )?)
+    Ok(Cohort::draw(learn, test, seed, &CohortSettings::default(), &design)?)
 }
 
 /// The people of a file: a population, or those of a scenario.
@@ -31,9 +25,7 @@ pub(crate) fn people_of(path: &str) -> Result<People, Wrong> {
     let text = std::fs::read_to_string(path)?;
     let of_scenario = |_| {
         let scenario: Scenario = toml::from_str(&text)?;
-        Ok(People::Drivers(Box::new(
-            scenario.settings().drivers.clone(),
-        )))
+        Ok(People::Drivers(Box::new(scenario.settings().drivers.clone())))
     };
     toml::from_str(&text).or_else(of_scenario)
 }
@@ -50,19 +42,12 @@ pub(crate) fn scores(
     let scales = [scale];
     let answers = answer_before(cohort, &scales, &effects, seed)?;
     let scores = maveric_measures::score(&scales, &answers, None)?.scores;
-    let roles: Vec<DriveId> = cohort
-        .drives
-        .iter()
-        .filter(|d| d.role)
-        .map(|d| d.drive.clone())
-        .collect();
+    let roles: Vec<DriveId> =
+        cohort.drives.iter().filter(|d| d.role).map(|d| d.drive.clone()).collect();
     Ok(move |drive: &Drive| {
         let meta = drive.meta();
-        let moment = if roles.contains(&meta.drive) {
-            Moment::after(meta.condition)
-        } else {
-            Moment::Pre
-        };
+        let moment =
+            if roles.contains(&meta.drive) { Moment::after(meta.condition) } else { Moment::Pre };
         let total = scores.iter().find(|s| {
             s.participant == meta.participant && s.moment == moment && s.subscale == "total"
         });
@@ -73,10 +58,7 @@ pub(crate) fn scores(
 /// The same drives on another day.
 pub(crate) fn again(planned: &[PlannedDrive]) -> Result<Vec<PlannedDrive>, DomainError> {
     let again = |d: &PlannedDrive| {
-        Ok(PlannedDrive {
-            drive: DriveId::new(format!("{}-again", d.drive))?,
-            ..d.clone()
-        })
+        Ok(PlannedDrive { drive: DriveId::new(format!("{}-again", d.drive))?, ..d.clone() })
     };
     planned.iter().map(again).collect()
 }
@@ -89,9 +71,7 @@ pub(crate) fn driven<T: Send>(
     seed: u64,
     read: impl Fn(Drive) -> T + Sync,
 ) -> Result<Vec<T>, Wrong> {
-    all_cores(planned, |planned| {
-        Ok(read(drive(planned, people, scenario, seed)?))
-    })
+    all_cores(planned, |planned| Ok(read(drive(planned, people, scenario, seed)?)))
 }
 
 /// `work` of every item, in their order, on all cores.

@@ -102,21 +102,15 @@ const USUAL_HEADWAY: f64 = 0.81;
 fn fit(usual: &Population, wanted: f64, n: usize, seed: u64) -> Result<OfTheDay, Wrong> {
     // Near where it ends, since each round drives everybody twice.
     let rest = 1.3 * (USUAL_HEADWAY - wanted);
-    let mut of_day = OfTheDay {
-        speed: 0.92 * (1.0 - wanted),
-        rest: if rest < 0.0 { 3.0 * rest } else { rest },
-    };
+    let mut of_day =
+        OfTheDay { speed: 0.92 * (1.0 - wanted), rest: if rest < 0.0 { 3.0 * rest } else { rest } };
     for _ in 0..ROUNDS {
         let people = People::Drivers(Box::new(people(usual, of_day)));
         let [first, second] = twice(&people, n, seed)?;
         let retests = retest(&first, &second);
         let icc = |k: usize| retests[k].icc.ok_or("nobody has the measure twice");
         let (speed, headway) = (icc(SPEED)? - wanted, icc(HEADWAY)? - wanted);
-        eprintln!(
-            "{of_day:?}: speed {:.3}, headway {:.3}",
-            speed + wanted,
-            headway + wanted
-        );
+        eprintln!("{of_day:?}: speed {:.3}, headway {:.3}", speed + wanted, headway + wanted);
         if speed.abs() < NEAR && headway.abs() < NEAR {
             return Ok(of_day);
         }
@@ -151,14 +145,8 @@ fn print_file(asked: f64, people: &str, population: &Population, of_day: OfTheDa
         ("merge_back_time_gap_s", &population.merge_back_time_gap_s),
         ("following_time_gap_s", &population.following_time_gap_s),
         ("acceleration_mps2", &population.acceleration_mps2),
-        (
-            "passing_speed_added_mps",
-            &population.passing_speed_added_mps,
-        ),
-        (
-            "passing_speed_over_lead_mps",
-            &population.passing_speed_over_lead_mps,
-        ),
+        ("passing_speed_added_mps", &population.passing_speed_added_mps),
+        ("passing_speed_over_lead_mps", &population.passing_speed_over_lead_mps),
         ("lane_change_s", &population.lane_change_s),
     ] {
         println!(
@@ -180,10 +168,7 @@ fn print_file(asked: f64, people: &str, population: &Population, of_day: OfTheDa
         ("speed_wander_time_s", noise.speed_wander_time_s),
     ] {
         let text = format!("{value:.4}");
-        println!(
-            "{name} = {}",
-            text.trim_end_matches('0').trim_end_matches('.')
-        );
+        println!("{name} = {}", text.trim_end_matches('0').trim_end_matches('.'));
     }
 }
 

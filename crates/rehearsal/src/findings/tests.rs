@@ -28,16 +28,9 @@ fn a_family_is_kept_at_its_level_after_holm_or_fails() {
             any_holm: share(*hits, 1000),
         };
         let families = holm.iter().map(family).collect();
-        super::families(&Cell {
-            families,
-            ..cell(1000)
-        })
-        .verdict
+        super::families(&Cell { families, ..cell(1000) }).verdict
     };
-    assert_eq!(
-        [judged(&[20, 30]), judged(&[50]), judged(&[20, 90])],
-        [Shown, NotShown, Fails]
-    );
+    assert_eq!([judged(&[20, 30]), judged(&[50]), judged(&[20, 90])], [Shown, NotShown, Fails]);
     assert_eq!(judged(&[]), NotAsked);
 }
 
@@ -56,16 +49,9 @@ fn one_test_in_twenty_may_look_lax_and_no_more() {
             mean_when_significant: None,
             above_zero: None,
         };
-        single(&Cell {
-            tests: (0..200).map(test).collect(),
-            ..cell(1000)
-        })
-        .verdict
+        single(&Cell { tests: (0..200).map(test).collect(), ..cell(1000) }).verdict
     };
-    assert_eq!(
-        [judged(2), judged(10), judged(30)],
-        [Shown, NotShown, Fails]
-    );
+    assert_eq!([judged(2), judged(10), judged(30)], [Shown, NotShown, Fails]);
 }
 
 fn fidelity(mimic: f64, floor: f64, n: usize) -> Fidelity {
@@ -108,27 +94,17 @@ fn a_driver_is_recognised_by_the_distance_that_knows_how_people_vary() {
         }
     };
     let judged = |hits, n| {
-        let rows = [
-            row(Metric::Euclidean, n - hits, n),
-            row(Metric::WithinPerson, hits, n),
-        ];
+        let rows = [row(Metric::Euclidean, n - hits, n), row(Metric::WithinPerson, hits, n)];
         recognised(&[&rows]).unwrap().verdict
     };
-    assert_eq!(
-        [judged(20, 24), judged(1, 24), judged(3, 5)],
-        [Shown, NotShown, TooFew]
-    );
+    assert_eq!([judged(20, 24), judged(1, 24), judged(3, 5)], [Shown, NotShown, TooFew]);
     assert_eq!(recognised(&[]), None);
 }
 
 #[test]
 fn the_dial_needs_more_than_half_of_the_drivers_on_both_sides_for_every_model() {
     let judged = |up: usize, down: usize| {
-        let right = |right| Right {
-            right,
-            n: 24,
-            ..Right::default()
-        };
+        let right = |right| Right { right, n: 24, ..Right::default() };
         let row = |up, down| Dial {
             title: "Mean velocity",
             aggressive: right(up),
@@ -138,10 +114,7 @@ fn the_dial_needs_more_than_half_of_the_drivers_on_both_sides_for_every_model() 
         let (first, second) = ([row(24, 24)], [row(up, down)]);
         dial(&[&first, &second]).verdict
     };
-    assert_eq!(
-        [judged(24, 24), judged(24, 12), judged(2, 24)],
-        [Shown, NotShown, Fails]
-    );
+    assert_eq!([judged(24, 24), judged(24, 12), judged(2, 24)], [Shown, NotShown, Fails]);
 }
 
 #[test]
@@ -155,16 +128,11 @@ fn the_score_is_told_by_driving_alone_when_the_fit_without_it_goes_with_it() {
             latent: None,
         };
         // The fit with the score says the opposite.
-        let rows = [
-            row(Reading::WithScore, (-high, -low)),
-            row(Reading::WithoutScore, (low, high)),
-        ];
+        let rows =
+            [row(Reading::WithScore, (-high, -low)), row(Reading::WithoutScore, (low, high))];
         style(&[&rows]).unwrap().verdict
     };
-    assert_eq!(
-        [judged(0.1, 0.6), judged(-0.1, 0.6), judged(-0.6, -0.1)],
-        [Shown, NotShown, Fails]
-    );
+    assert_eq!([judged(0.1, 0.6), judged(-0.1, 0.6), judged(-0.6, -0.1)], [Shown, NotShown, Fails]);
     assert_eq!(style(&[&[]]), None);
 }
 
@@ -195,10 +163,7 @@ fn order(right: usize, n: usize, p: f64, beyond: (f64, f64)) -> Order {
         }),
     };
     Order {
-        asked: Asked {
-            higher: "sporty".parse().unwrap(),
-            lower: vec!["calm".parse().unwrap()],
-        },
+        asked: Asked { higher: "sporty".parse().unwrap(), lower: vec!["calm".parse().unwrap()] },
         chance: 0.5,
         // Speed says the opposite.
         readings: vec![read(By::Line, right), read(By::Speed, n - right)],
@@ -212,12 +177,7 @@ fn order(right: usize, n: usize, p: f64, beyond: (f64, f64)) -> Order {
 fn an_order_is_shown_by_the_p_of_exchanged_roles_and_fails_on_the_other_side() {
     let judged = |right, n, p| ordered(&[&order(right, n, p, (0.0, 0.0))]).verdict;
     assert_eq!(
-        [
-            judged(6, 6, 0.016),
-            judged(5, 6, 0.11),
-            judged(0, 6, 0.99),
-            judged(5, 5, 0.031)
-        ],
+        [judged(6, 6, 0.016), judged(5, 6, 0.11), judged(0, 6, 0.99), judged(5, 5, 0.031)],
         [Shown, NotShown, Fails, TooFew]
     );
 }
@@ -251,10 +211,7 @@ fn a_driver_is_recognised_by_the_style_and_not_by_speed() {
     };
     let judged =
         |hits, n| recognised_unmet(&[row(By::Line, hits, n), row(By::Speed, n - hits, n)]).verdict;
-    assert_eq!(
-        [judged(20, 24), judged(2, 24), judged(5, 5)],
-        [Shown, NotShown, TooFew]
-    );
+    assert_eq!([judged(20, 24), judged(2, 24), judged(5, 5)], [Shown, NotShown, TooFew]);
 }
 
 #[test]
@@ -275,12 +232,7 @@ fn a_dial_has_to_point_better_than_directions_that_are_drawn() {
         pointed(&[&direction]).verdict
     };
     assert_eq!(
-        [
-            judged(0.8, 0.01, 6),
-            judged(0.5, 0.2, 6),
-            judged(-0.8, 0.99, 6),
-            judged(0.8, 0.01, 3)
-        ],
+        [judged(0.8, 0.01, 6), judged(0.5, 0.2, 6), judged(-0.8, 0.99, 6), judged(0.8, 0.01, 3)],
         [Shown, NotShown, Fails, TooFew]
     );
 }

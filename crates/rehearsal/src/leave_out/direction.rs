@@ -80,19 +80,14 @@ fn along(response: &[Change], step: &[f64]) -> Change {
     let mut change = [None; AXES];
     for (axis, part) in change.iter_mut().enumerate() {
         let parts = response.iter().zip(step);
-        *part = parts
-            .map(|(change, step)| Some(change[axis]? * step))
-            .sum::<Option<f64>>();
+        *part = parts.map(|(change, step)| Some(change[axis]? * step)).sum::<Option<f64>>();
     }
     change
 }
 
 /// Mean over people with a cosine.
 fn mean_cosine(people: &[Pointed], change: impl Fn(&Pointed) -> Change) -> Option<f64> {
-    let cosines: Vec<f64> = people
-        .iter()
-        .filter_map(|p| cosine(&change(p), &p.own))
-        .collect();
+    let cosines: Vec<f64> = people.iter().filter_map(|p| cosine(&change(p), &p.own)).collect();
     mean(&cosines)
 }
 
@@ -106,10 +101,7 @@ pub fn direction(
     seed: u64,
 ) -> Result<Direction, RehearsalError> {
     let size = people.first().map_or(0, |p| p.step.len());
-    if people
-        .iter()
-        .any(|p| p.step.len() != size || p.response.len() != size)
-    {
+    if people.iter().any(|p| p.step.len() != size || p.response.len() != size) {
         let problem = "styles of several sizes, expected one".to_owned();
         return Err(RehearsalError::Population(problem));
     }
@@ -162,10 +154,8 @@ mod tests {
 
     fn person(own: Change, dial: Change, step: [f64; 2]) -> Pointed {
         // The first coordinate is speed, the second shortens the gap.
-        let response = vec![
-            [Some(1.0), Some(0.0), None, Some(0.0)],
-            [Some(0.0), Some(-1.0), None, Some(0.0)],
-        ];
+        let response =
+            vec![[Some(1.0), Some(0.0), None, Some(0.0)], [Some(0.0), Some(-1.0), None, Some(0.0)]];
         Pointed {
             participant: ParticipantId::new("P1").unwrap(),
             own,
@@ -208,9 +198,6 @@ mod tests {
         let found = direction(&[person(own, still, [1.0, 0.0])], 10, 1).unwrap();
         assert_eq!((found.n, found.people[0].cosine), (0, None));
         let again = direction(&[person(own, dial, [1.0, 0.2])], 500, 3).unwrap();
-        assert_eq!(
-            again,
-            direction(&[person(own, dial, [1.0, 0.2])], 500, 3).unwrap()
-        );
+        assert_eq!(again, direction(&[person(own, dial, [1.0, 0.2])], 500, 3).unwrap());
     }
 }

@@ -43,11 +43,7 @@ pub fn errors_that_hold(
             };
             if ratios.is_empty() {
                 // The first drive that shows nothing; the second where both leave a style, of which it says nothing.
-                let blank = if styles[first].is_none() {
-                    first
-                } else {
-                    second
-                };
+                let blank = if styles[first].is_none() { first } else { second };
                 miss(Missing::reading(&drives[blank], By::Line));
             }
             share.pairs += usize::from(!ratios.is_empty());
@@ -69,10 +65,7 @@ mod tests {
         // Nothing seen: the posterior is the prior, so the second mean is 0 whatever the first is.
         let nothing = (vec![0.0], vec![vec![1.0]]);
         let sure = (vec![5.0], vec![vec![0.01]]);
-        assert!(
-            standardised(&sure, &nothing, true, 0.0).is_empty(),
-            "nothing is left open"
-        );
+        assert!(standardised(&sure, &nothing, true, 0.0).is_empty(), "nothing is left open");
         let ratio = standardised(&nothing, &sure, true, 0.0)[0];
         assert!((ratio - 5.0 / (0.99_f64 * 0.99 + 0.99 * 0.01).sqrt()).abs() < 1e-12);
         let plain = standardised(&nothing, &sure, false, 0.0)[0];
@@ -88,11 +81,7 @@ mod tests {
         // Differences of 0, .5, …, 2.5 standard errors of √(.5 + .5).
         let styles: Styles = (0..12)
             .map(|i| {
-                let mean = if i % 2 == 1 {
-                    0.25 * f64::from(i - 1)
-                } else {
-                    0.0
-                };
+                let mean = if i % 2 == 1 { 0.25 * f64::from(i - 1) } else { 0.0 };
                 Some((vec![mean], vec![vec![0.5]]))
             })
             .collect();

@@ -40,10 +40,8 @@ pub fn whose(
 ) -> Result<Vec<Whose>, RehearsalError> {
     let everybody = people(drives);
     // Of each person the drive that stands for them, and the one whose driver is looked for.
-    let first: Vec<Option<usize>> = everybody
-        .iter()
-        .map(|who| driven(drives, who, among).first().copied())
-        .collect();
+    let first: Vec<Option<usize>> =
+        everybody.iter().map(|who| driven(drives, who, among).first().copied()).collect();
     let place = usize::from(among == sought);
     let mut rows = Vec::new();
     for by in By::ALL {
@@ -104,9 +102,8 @@ mod tests {
     use super::{super::testing::*, *};
 
     fn styles(drives: &[Drove], of: impl Fn(usize) -> Option<f64>) -> Vec<Styles> {
-        let one: Styles = (0..drives.len())
-            .map(|i| of(i).map(|w| (vec![w], vec![vec![0.01]])))
-            .collect();
+        let one: Styles =
+            (0..drives.len()).map(|i| of(i).map(|w| (vec![w], vec![vec![0.01]]))).collect();
         vec![one; people(drives).len()]
     }
 

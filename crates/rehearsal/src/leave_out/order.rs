@@ -155,9 +155,7 @@ pub fn order<E: From<RehearsalError>>(
     let mut placed = vec![
         by_line(&lines, drives.len()),
         by_road(By::Speed, &everybody, drives, |d| d.speed_mps),
-        by_road(By::TimeGap, &everybody, drives, |d| {
-            d.time_gap_s.map(|g| -g)
-        }),
+        by_road(By::TimeGap, &everybody, drives, |d| d.time_gap_s.map(|g| -g)),
     ];
     let (counted, uncounted) = count_people(drives, &roles, &everybody, asked, &placed);
     let counts = |placed: &[Placed], roles: &[ConditionId]| -> Vec<usize> {
@@ -240,10 +238,7 @@ fn by_line(lines: &[Option<Line>], drives: usize) -> Placed {
         let line = line.as_ref().map(|l| l.position.clone());
         line.unwrap_or_else(|| vec![None; drives])
     });
-    Placed {
-        by: By::Line,
-        values: values.collect(),
-    }
+    Placed { by: By::Line, values: values.collect() }
 }
 
 fn by_road(
@@ -253,10 +248,7 @@ fn by_road(
     value: fn(&Drove) -> Option<f64>,
 ) -> Placed {
     let values: Vec<Option<f64>> = drives.iter().map(value).collect();
-    Placed {
-        by,
-        values: vec![values; everybody.len()],
-    }
+    Placed { by, values: vec![values; everybody.len()] }
 }
 
 /// Whoever has all the drives that are asked for, with where they stand; and who cannot be counted, and why.
@@ -304,11 +296,7 @@ fn places(
     };
     Ok(Places {
         higher: first(asked.higher)?,
-        lower: asked
-            .lower
-            .iter()
-            .map(|role| first(*role))
-            .collect::<Result<_, _>>()?,
+        lower: asked.lower.iter().map(|role| first(*role)).collect::<Result<_, _>>()?,
     })
 }
 
@@ -348,9 +336,8 @@ fn exchanged(
     let mut rng = Pcg64Mcg::seed_from_u64(stream_seed(seed, &labels));
     let mut order: Vec<usize> = (0..drives.len()).collect();
     for who in everybody {
-        let theirs: Vec<usize> = (0..drives.len())
-            .filter(|&i| drives[i].participant == *who)
-            .collect();
+        let theirs: Vec<usize> =
+            (0..drives.len()).filter(|&i| drives[i].participant == *who).collect();
         for last in (1..theirs.len()).rev() {
             let with = rng.random_range(0..=last);
             order.swap(theirs[last], theirs[with]);
@@ -371,26 +358,13 @@ fn mean_of(
     let Some(mean) = crate::validation::mean(&differences) else {
         return Ok(None);
     };
-    let alone = Mean {
-        n,
-        mean,
-        low: None,
-        high: None,
-        dz: None,
-    };
+    let alone = Mean { n, mean, low: None, high: None, dz: None };
     if n < 2 {
         return Ok(Some(alone));
     }
-    let people: Vec<String> = (0..n)
-        .flat_map(|i| [i.to_string(), i.to_string()])
-        .collect();
-    let which: Vec<String> = (0..n)
-        .flat_map(|_| ["a".to_owned(), "b".to_owned()])
-        .collect();
-    let rows: Vec<Option<f64>> = pairs
-        .iter()
-        .flat_map(|(a, b)| [Some(*a), Some(*b)])
-        .collect();
+    let people: Vec<String> = (0..n).flat_map(|i| [i.to_string(), i.to_string()]).collect();
+    let which: Vec<String> = (0..n).flat_map(|_| ["a".to_owned(), "b".to_owned()]).collect();
+    let rows: Vec<Option<f64>> = pairs.iter().flat_map(|(a, b)| [Some(*a), Some(*b)]).collect();
     let data = WithinSubjects::from_long(&people, &which, &rows)?;
     let analysis = within_without_exact(&data);
     let test = analysis.paired.get("a|b");

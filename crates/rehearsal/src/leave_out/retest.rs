@@ -63,11 +63,8 @@ pub fn retest(
         let lacks = |repeated: &&Repeated<'_>| {
             repeated.values[first].is_none() || repeated.values[second].is_none()
         };
-        let measures: Vec<String> = measured
-            .iter()
-            .filter(lacks)
-            .map(|repeated| repeated.title.to_owned())
-            .collect();
+        let measures: Vec<String> =
+            measured.iter().filter(lacks).map(|repeated| repeated.title.to_owned()).collect();
         if !measures.is_empty() {
             miss(Missing::Measures { measures });
         }

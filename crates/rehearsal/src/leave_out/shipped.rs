@@ -129,21 +129,10 @@ mod tests {
             person(None, yes, yes),
         ];
         let found = shipped(people, 30, Vec::new()).unwrap();
-        assert_eq!(
-            (
-                found.n,
-                found.right_within,
-                found.right_beyond,
-                found.unknown
-            ),
-            (5, 1, 1, 1)
-        );
+        assert_eq!((found.n, found.right_within, found.right_beyond, found.unknown), (5, 1, 1, 1));
         assert_eq!((found.wrong_within, found.wrong_beyond), (1, 1));
         assert_eq!((found.ordinary, found.ordinary_beyond), (6, 2));
-        assert!(
-            found.wrong_and_sure.is_empty(),
-            "no standard error is known"
-        );
+        assert!(found.wrong_and_sure.is_empty(), "no standard error is known");
         let none = shipped(Vec::new(), 0, Vec::new()).unwrap();
         assert_eq!((none.n, none.share), (0, None));
     }
@@ -165,11 +154,7 @@ mod tests {
             person("unknown", -0.9, 0.1, None),
         ];
         let found = shipped(people, 0, Vec::new()).unwrap();
-        let named: Vec<&str> = found
-            .wrong_and_sure
-            .iter()
-            .map(ParticipantId::as_str)
-            .collect();
+        let named: Vec<&str> = found.wrong_and_sure.iter().map(ParticipantId::as_str).collect();
         assert_eq!(named, ["sure", "unknown"]);
     }
 }

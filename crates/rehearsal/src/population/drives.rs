@@ -66,10 +66,8 @@ impl PopulationModel {
         seed: u64,
     ) -> Drives {
         let id = person.id.as_str();
-        let mut drives = Drives {
-            own: MeasureValues::new(),
-            trials: vec![MeasureValues::new(); trials.len()],
-        };
+        let mut drives =
+            Drives { own: MeasureValues::new(), trials: vec![MeasureValues::new(); trials.len()] };
         for (name, measure) in &self.measures {
             let MeasureModel::Drawn(m) = measure else {
                 continue;
@@ -93,10 +91,7 @@ impl PopulationModel {
                     + self.other_style * self.apart(m, own_habit, driven);
                 let by_hand = matches!(setting, CarSetting::ByHand);
                 let bias = if by_hand { 0.0 } else { m.bias };
-                let value = m.shown(
-                    own_habit.value + bias + moved + m.error_sd * error,
-                    &mut rng,
-                );
+                let value = m.shown(own_habit.value + bias + moved + m.error_sd * error, &mut rng);
                 values.insert(name.clone(), value);
             }
         }
@@ -157,11 +152,7 @@ struct Habit {
 }
 
 impl Habit {
-    const AVERAGE: Self = Self {
-        value: 0.0,
-        common: 0.0,
-        differs: [0.0; 2],
-    };
+    const AVERAGE: Self = Self { value: 0.0, common: 0.0, differs: [0.0; 2] };
 
     /// Of a person, from the start of [`own_stream`].
     fn drawn(measure: &DrawnMeasure, person: &Participant, rng: &mut Pcg64) -> Self {
@@ -175,10 +166,7 @@ impl Habit {
 
 /// Loadings · traits + noise, of variance 1.
 fn explained(loadings: &BTreeMap<Trait, f64>, person: &Participant, rng: &mut Pcg64) -> f64 {
-    let known: f64 = loadings
-        .iter()
-        .map(|(name, l)| l * person.latent(*name))
-        .sum();
+    let known: f64 = loadings.iter().map(|(name, l)| l * person.latent(*name)).sum();
     let squares: f64 = loadings.values().map(|l| l * l).sum();
     known + (1.0 - squares).max(0.0).sqrt() * normal(rng)
 }

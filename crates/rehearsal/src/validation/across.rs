@@ -33,10 +33,7 @@ pub fn across(
     let mut rows = Vec::new();
     for k in [5, 6, 0] {
         let change = |to: &[Values]| -> Vec<Option<f64>> {
-            to.iter()
-                .zip(mimic)
-                .map(|(t, m)| Some(t[k]? - m[k]?))
-                .collect()
+            to.iter().zip(mimic).map(|(t, m)| Some(t[k]? - m[k]?)).collect()
         };
         let size = |changes: &[Option<f64>]| {
             let known: Vec<f64> = changes.iter().flatten().map(|c| c.abs()).collect();

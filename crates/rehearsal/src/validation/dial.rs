@@ -90,9 +90,7 @@ pub fn dial(
 ) -> Result<Vec<Dial>, RehearsalError> {
     let index = |wanted: f64| {
         let distance = |i: &usize| (steps[*i] - wanted).abs();
-        (0..steps.len())
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .unwrap_or(0)
+        (0..steps.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     };
     let (zero, up, down) = (index(0.0), index(points), index(-points));
     let one = |(k, sign): (usize, f64)| {
@@ -114,19 +112,15 @@ pub fn dial(
             let rho = sign * correlation.spearman.and_then(|c| c.rho).unwrap_or(0.0);
             rising.push(f64::from(u8::from(rho > 0.0)));
         }
-        let complete: Vec<&Vec<Values>> = drivers
-            .iter()
-            .filter(|d| d.iter().all(|v| v[k].is_some()))
-            .collect();
+        let complete: Vec<&Vec<Values>> =
+            drivers.iter().filter(|d| d.iter().all(|v| v[k].is_some())).collect();
         let mean_at = |i: usize| {
             let values: Vec<f64> = complete.iter().filter_map(|d| d[i][k]).collect();
             mean(&values)
         };
         let curve: Vec<Option<f64>> = (0..steps.len()).map(mean_at).collect();
-        let moves: Option<Vec<f64>> = curve
-            .windows(2)
-            .map(|w| Some(sign * (w[1]? - w[0]?)))
-            .collect();
+        let moves: Option<Vec<f64>> =
+            curve.windows(2).map(|w| Some(sign * (w[1]? - w[0]?))).collect();
         let measure = objective::find(MEASURES[k]);
         Ok(Dial {
             measure: MEASURES[k],
@@ -139,19 +133,11 @@ pub fn dial(
             n: taus.len(),
             curve,
             monotone: moves.map(|m| m.iter().all(|m| *m >= 0.0)),
-            drivers: drivers
-                .iter()
-                .map(|d| d.iter().map(|v| v[k]).collect())
-                .collect(),
+            drivers: drivers.iter().map(|d| d.iter().map(|v| v[k]).collect()).collect(),
         })
     };
     let signed = |(k, name): (usize, &&str)| Some((k, objective::find(name)?.aggression?.factor()));
-    MEASURES
-        .iter()
-        .enumerate()
-        .filter_map(signed)
-        .map(one)
-        .collect()
+    MEASURES.iter().enumerate().filter_map(signed).map(one).collect()
 }
 
 #[cfg(test)]

@@ -36,11 +36,7 @@ pub struct Fidelity {
 }
 
 fn accuracy(driven: &[Values], own: &[Values], measure: usize) -> (Option<f64>, usize) {
-    let pairs: Vec<_> = driven
-        .iter()
-        .zip(own)
-        .map(|(f, o)| (f[measure], o[measure]))
-        .collect();
+    let pairs: Vec<_> = driven.iter().zip(own).map(|(f, o)| (f[measure], o[measure])).collect();
     let result = mean_accuracy(&pairs);
     (result.mean, result.n)
 }

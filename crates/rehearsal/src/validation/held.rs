@@ -49,13 +49,10 @@ pub fn held(
     seed: u64,
 ) -> Result<Held, RehearsalError> {
     let pairs = first.iter().zip(again);
-    let both: Vec<(&Known, &Known)> = pairs
-        .filter_map(|(a, b)| a.as_ref().zip(b.as_ref()))
-        .collect();
-    let errors: Vec<Vec<f64>> = both
-        .iter()
-        .map(|(a, b)| standardised(a, b, prior, NOTHING))
-        .collect();
+    let both: Vec<(&Known, &Known)> =
+        pairs.filter_map(|(a, b)| a.as_ref().zip(b.as_ref())).collect();
+    let errors: Vec<Vec<f64>> =
+        both.iter().map(|(a, b)| standardised(a, b, prior, NOTHING)).collect();
     let counted: usize = errors.iter().map(Vec::len).sum();
     let coordinates = both.iter().map(|(a, _)| a.0.len()).sum();
     let share = |k: f64| -> Result<Option<ShareOfPeople>, RehearsalError> {
@@ -67,10 +64,7 @@ pub fn held(
         // Each person counts with all of their coordinates.
         let of_each = errors.iter().filter(|z| !z.is_empty());
         let of_each: Vec<Option<f64>> = of_each.map(|z| Some(within(z) / z.len() as f64)).collect();
-        let settings = BootstrapSettings {
-            seed,
-            ..BootstrapSettings::default()
-        };
+        let settings = BootstrapSettings { seed, ..BootstrapSettings::default() };
         let interval = (of_each.len() > 1)
             .then(|| bootstrap(Statistic::Mean, BootstrapData::Values(&of_each), &settings))
             .transpose()?;
@@ -101,16 +95,11 @@ pub(crate) fn standardised(first: &Known, again: &Known, prior: bool, least: f64
     let (v1, v2) = (matrix(first), matrix(again));
     let (difference, covariance) = if prior {
         let kept = DMatrix::identity(v2.nrows(), v2.nrows()) - &v2;
-        (
-            mean(again) - &kept * mean(first),
-            &kept * &v1 * kept.transpose() + &kept * &v2,
-        )
+        (mean(again) - &kept * mean(first), &kept * &v1 * kept.transpose() + &kept * &v2)
     } else {
         (mean(again) - mean(first), v1 + v2)
     };
-    let each = difference
-        .iter()
-        .zip(covariance.diagonal().iter().copied().collect::<Vec<f64>>());
+    let each = difference.iter().zip(covariance.diagonal().iter().copied().collect::<Vec<f64>>());
     each.filter(|(_, variance)| *variance > least)
         .map(|(d, variance)| d / variance.sqrt())
         .collect()
@@ -135,19 +124,8 @@ mod tests {
                 let sds = [said, 2.0 * said];
                 let fitted = [0, 1].map(|j| {
                     let reading = w[j] + error * (sds[j] / said) * normal();
-                    let open = if prior {
-                        1.0 / (1.0 + sds[j].powi(-2))
-                    } else {
-                        sds[j].powi(2)
-                    };
-                    (
-                        if prior {
-                            (1.0 - open) * reading
-                        } else {
-                            reading
-                        },
-                        open,
-                    )
+                    let open = if prior { 1.0 / (1.0 + sds[j].powi(-2)) } else { sds[j].powi(2) };
+                    (if prior { (1.0 - open) * reading } else { reading }, open)
                 });
                 let covariance = vec![vec![fitted[0].1, 0.0], vec![0.0, fitted[1].1]];
                 day.push(Some((fitted.map(|f| f.0).to_vec(), covariance)));
@@ -170,10 +148,7 @@ mod tests {
             let (low, high) = one.interval.unwrap();
             assert!(low < one.estimate && one.estimate < high && high - low < 0.05);
             let (one, two) = found(1.4);
-            assert!(
-                one.estimate < 0.6 && two.estimate < 0.9,
-                "{prior} {one:?} {two:?}"
-            );
+            assert!(one.estimate < 0.6 && two.estimate < 0.9, "{prior} {one:?} {two:?}");
             let (one, _) = found(0.2);
             assert!(one.estimate > 0.75, "{prior} {one:?}");
         }

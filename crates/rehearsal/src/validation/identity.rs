@@ -87,10 +87,7 @@ pub fn identify(
     };
     let mut by_metric = vec![(Metric::Euclidean, ranks(known, seen))];
     if let Some(by) = within {
-        by_metric.push((
-            Metric::WithinPerson,
-            ranks(&whiten(known, by), &whiten(seen, by)),
-        ));
+        by_metric.push((Metric::WithinPerson, ranks(&whiten(known, by), &whiten(seen, by))));
     }
     let row = |(metric, ranks): (Metric, Vec<usize>)| identification(what, metric, &ranks);
     by_metric.into_iter().map(row).collect()

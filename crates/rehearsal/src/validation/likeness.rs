@@ -81,9 +81,7 @@ impl Driven {
         seed: u64,
     ) -> Vec<Option<Discrepancy>> {
         let owners = drives.iter().zip(&self.own);
-        owners
-            .map(|(drive, own)| discrepancy(drive, own, spread, PERMUTATIONS, seed))
-            .collect()
+        owners.map(|(drive, own)| discrepancy(drive, own, spread, PERMUTATIONS, seed)).collect()
     }
 
     /// Each first drive beside those of all other people.
@@ -228,10 +226,7 @@ mod tests {
         let own: Vec<Vec<Window>> = (0..4).map(|phase| drive(24.0, phase)).collect();
         // Its jerk alone is that of nobody.
         let smooth = |drive: &Vec<Window>| -> Vec<Window> {
-            drive
-                .iter()
-                .map(|&[v, g, a, j, y]| [v, g, a, j - 4.0, y])
-                .collect()
+            drive.iter().map(|&[v, g, a, j, y]| [v, g, a, j - 4.0, y]).collect()
         };
         let driven = Driven {
             mimic: own.iter().map(smooth).collect(),
@@ -243,16 +238,8 @@ mod tests {
         assert_eq!(rows.len(), 10);
         for row in rows {
             let by_jerk = (row.column == "jerk") == (row.looking == Looking::Alone);
-            assert_eq!(
-                row.car.different,
-                Some(f64::from(u8::from(by_jerk))),
-                "{row:?}"
-            );
-            assert_eq!(
-                row.car.divergence > row.others.divergence,
-                by_jerk,
-                "{row:?}"
-            );
+            assert_eq!(row.car.different, Some(f64::from(u8::from(by_jerk))), "{row:?}");
+            assert_eq!(row.car.divergence > row.others.divergence, by_jerk, "{row:?}");
             assert_eq!((row.car.owner_nearest, row.again.n), (None, 4));
         }
     }

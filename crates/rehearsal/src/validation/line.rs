@@ -65,11 +65,7 @@ pub fn agreement(
     let score = r(adb)?;
     Ok(Agreement {
         reading,
-        n: values
-            .iter()
-            .zip(adb)
-            .filter(|(v, a)| v.is_some() && a.is_some())
-            .count(),
+        n: values.iter().zip(adb).filter(|(v, a)| v.is_some() && a.is_some()).count(),
         adb_interval: score.as_ref().and_then(|p| p.ci.ends()),
         adb: score.and_then(|p| p.r),
         latent: r(latent)?.and_then(|p| p.r),
@@ -83,10 +79,8 @@ pub fn regression(
     test: &[Values],
     standardise: impl Fn(&Values) -> Vec<f64>,
 ) -> Vec<Option<f64>> {
-    let scored: Vec<(Vec<f64>, f64)> = training
-        .iter()
-        .filter_map(|(values, adb)| Some((standardise(values), (*adb)?)))
-        .collect();
+    let scored: Vec<(Vec<f64>, f64)> =
+        training.iter().filter_map(|(values, adb)| Some((standardise(values), (*adb)?))).collect();
     let d = scored.first().map_or(1, |(row, _)| 1 + row.len());
     let x = DMatrix::from_fn(scored.len(), d, |i, j| match j {
         0 => 1.0,
@@ -132,9 +126,6 @@ mod tests {
             .collect();
         let read = regression(&training, &[values(4.0, 1.0)], flat);
         assert!((read[0].unwrap() - 32.0).abs() < 1e-9);
-        assert_eq!(
-            regression(&training[..1], &[values(4.0, 1.0)], flat),
-            [None]
-        );
+        assert_eq!(regression(&training[..1], &[values(4.0, 1.0)], flat), [None]);
     }
 }

@@ -18,10 +18,7 @@ fn r(x: &[f64], y: &[f64]) -> f64 {
 fn gained(style: &str) -> f64 {
     let text =
         include_str!("../../../../study_data/designs/paper.toml").replace("adb.total", style);
-    let other = World {
-        design: Design::from_toml(&text).unwrap(),
-        ..world()
-    };
+    let other = World { design: Design::from_toml(&text).unwrap(), ..world() };
     let data = other.study(200, 7).unwrap().data;
     let name: ScoreName = style.parse().unwrap();
     let people = || data.participants.iter();
@@ -52,18 +49,10 @@ fn people_come_again_and_what_is_asked_on_the_way_is_answered_without_changing_t
     );
     assert!(matches!(bare, Err(RehearsalError::NoProbeScale { scale }) if scale == "misc"));
     let scales = [once.scales.clone(), vec![misc]].concat();
-    let twice = World::new(
-        design,
-        once.population.clone(),
-        once.effects.clone(),
-        scales,
-        ScoreRange::ADB,
-    )
-    .unwrap();
-    let (once, twice) = (
-        once.study(40, 3).unwrap().data,
-        twice.study(40, 3).unwrap().data,
-    );
+    let twice =
+        World::new(design, once.population.clone(), once.effects.clone(), scales, ScoreRange::ADB)
+            .unwrap();
+    let (once, twice) = (once.study(40, 3).unwrap().data, twice.study(40, 3).unwrap().data);
     // Four conditions with two rides and a drive by hand, in each of two sessions.
     assert_eq!(twice.measurements().len(), 40 * 2 * (4 * 2 + 1));
     let first = |data: &StudyData| {
@@ -76,10 +65,7 @@ fn people_come_again_and_what_is_asked_on_the_way_is_answered_without_changing_t
     assert_eq!(first(&twice), first(&once));
     let name: ScoreName = "misc.sickness".parse().unwrap();
     let mimic: ConditionId = "mimic".parse().unwrap();
-    let sick = twice
-        .participants
-        .iter()
-        .filter_map(|p| twice.rated(p, mimic, &name));
+    let sick = twice.participants.iter().filter_map(|p| twice.rated(p, mimic, &name));
     // Three probes in each of two rides, evenly among 0 to 10.
     let sick: Vec<f64> = sick.collect();
     let mean = sick.iter().sum::<f64>() / sick.len() as f64;
@@ -92,11 +78,7 @@ fn people_come_again_and_what_is_asked_on_the_way_is_answered_without_changing_t
         .iter()
         .find(|r| r.outcome == "mean_velocity_mps" && r.condition.as_str() == "own");
     assert!(
-        speed
-            .unwrap()
-            .icc
-            .as_ref()
-            .is_some_and(|icc| icc.icc.is_some_and(|r| r > 0.5)),
+        speed.unwrap().icc.as_ref().is_some_and(|icc| icc.icc.is_some_and(|r| r > 0.5)),
         "{speed:?}"
     );
 }
@@ -112,12 +94,7 @@ fn with_car(car: &str) -> Result<World, RehearsalError> {
 
 fn with_design(text: &str) -> Result<World, RehearsalError> {
     let design = Design::from_toml(text).unwrap();
-    let World {
-        population,
-        effects,
-        scales,
-        ..
-    } = world();
+    let World { population, effects, scales, .. } = world();
     World::new(design, population, effects, scales, ScoreRange::ADB)
 }
 
@@ -138,10 +115,7 @@ fn id(condition: &str) -> ConditionId {
 }
 
 fn near(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() < 1e-9,
-        "{found} instead of {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
 }
 
 #[test]
@@ -167,11 +141,7 @@ fn a_lent_style_has_the_riders_score_and_the_donors_habits() {
             |p: &Participant| data.embedding(&p.id, true).unwrap().line_position.unwrap();
         let shift = 8.5 * (position(person) - position(donor));
         near(lent.donor_shift_points, shift);
-        let step = if shift > 0.0 {
-            velocity.up.step
-        } else {
-            -velocity.down.step
-        };
+        let step = if shift > 0.0 { velocity.up.step } else { -velocity.down.step };
         let measured = |p: &Participant, c: &str| data.measured(&p.id, id(c), VELOCITY).unwrap();
         near(
             measured(person, "perpendicular"),
@@ -202,10 +172,8 @@ fn another_style_of_ones_own_score_is_felt_as_unlike_and_without_effects_is_the_
     let data = world.study(200, 6).unwrap().data;
     let similarity: ScoreName = "similarity.similarity".parse().unwrap();
     let rated = |condition: &str| {
-        let ratings = data
-            .participants
-            .iter()
-            .filter_map(|p| data.rated(p, id(condition), &similarity));
+        let ratings =
+            data.participants.iter().filter_map(|p| data.rated(p, id(condition), &similarity));
         let ratings: Vec<f64> = ratings.collect();
         ratings.iter().sum::<f64>() / ratings.len() as f64
     };
@@ -265,12 +233,7 @@ fn a_step_of_the_dial_and_of_a_loan_is_as_large_a_share_of_a_scale_from_1_to_6_a
         .replace("range = [11, 55]", "range = [1, 6]")
         .replace("points = 15", &format!("points = {points}"));
     let made = |text: &str, range: ScoreRange| {
-        let World {
-            population,
-            effects,
-            scales,
-            ..
-        } = world();
+        let World { population, effects, scales, .. } = world();
         let design = Design::from_toml(text).unwrap();
         World::new(design, population, effects, scales, range).unwrap()
     };
@@ -299,10 +262,7 @@ fn a_step_of_the_dial_and_of_a_loan_is_as_large_a_share_of_a_scale_from_1_to_6_a
 fn what_cannot_be_made_up_is_refused_with_the_reason() {
     for (car, why) in [
         ("{ free = true }", "how people turn the dial"),
-        (
-            "{ embedding = \"styles.csv\" }",
-            "a point of a trained model",
-        ),
+        ("{ embedding = \"styles.csv\" }", "a point of a trained model"),
         ("{ recorded = true }", "was recorded elsewhere"),
     ] {
         let said = with_car(car).unwrap_err().to_string();
@@ -320,34 +280,19 @@ fn too_few_donors_and_people_who_differ_along_the_line_alone_are_refused() {
     let matched = with_car("{ other = \"matched\", from = \"learned\" }").unwrap();
     assert!(matches!(
         matched.study(5, 1),
-        Err(RehearsalError::FewDonors {
-            people: 5,
-            donors: 4,
-            ..
-        })
+        Err(RehearsalError::FewDonors { people: 5, donors: 4, .. })
     ));
     assert!(matched.enough_donors(5).is_err() && matched.enough_donors(6).is_ok());
     assert!(world().enough_donors(4).is_ok());
-    let World {
-        design,
-        mut population,
-        effects,
-        scales,
-        ..
-    } = matched;
+    let World { design, mut population, effects, scales, .. } = matched;
     for measure in population.measures.values_mut() {
         if let MeasureModel::Drawn(drawn) = measure {
-            drawn
-                .loadings
-                .retain(|name, _| *name == Trait::Aggressiveness);
+            drawn.loadings.retain(|name, _| *name == Trait::Aggressiveness);
         }
     }
     population.line.loadings = BTreeMap::from([(Trait::Aggressiveness, 0.8), (Trait::Pace, 0.0)]);
     let refused = World::new(design, population, effects, scales, ScoreRange::ADB).unwrap_err();
-    assert!(matches!(
-        refused,
-        RehearsalError::NothingAcross { found: 1, .. }
-    ));
+    assert!(matches!(refused, RehearsalError::NothingAcross { found: 1, .. }));
 }
 
 #[test]

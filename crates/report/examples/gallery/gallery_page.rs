@@ -10,10 +10,8 @@ const DOTS_PER_INCH: f64 = 96.0;
 
 /// The page and its pictures, relative to `docs`.
 pub(crate) fn files(context: &Context) -> Result<Vec<RenderedFile>, ReportError> {
-    let mut files = vec![RenderedFile {
-        path: "gallery.md".to_owned(),
-        bytes: text(context)?.into_bytes(),
-    }];
+    let mut files =
+        vec![RenderedFile { path: "gallery.md".to_owned(), bytes: text(context)?.into_bytes() }];
     for (_, draw) in KINDS {
         let figure = draw(context)?;
         files.push(RenderedFile {

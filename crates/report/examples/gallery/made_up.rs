@@ -14,36 +14,21 @@ use maveric_report::{Card, CardNumber, Context, Report, ReportError, Tone, apa};
 use std::collections::BTreeMap;
 
 fn tables() -> Vec<Table> {
-    let accuracy = [
-        ("Mean velocity", 0.96, 0.936),
-        ("Mean headway time", 0.79, 0.802),
-    ];
+    let accuracy = [("Mean velocity", 0.96, 0.936), ("Mean headway time", 0.79, 0.802)];
     let percent = |share: f64| Cell::number(Some(100.0 * share), 1);
     vec![
-        Table::of(
-            "accuracy",
-            "How near Mimic comes to the own drive (%)",
-            accuracy,
-        )
-        .text("Measure", |row| row.0)
-        .right("*n*", |_| Cell::count(PARTICIPANTS))
-        .right("Accuracy", |row| percent(row.1))
-        .right("Paper", |row| percent(row.2))
-        .noted("Accuracy: 1 − |car − driver| / driver, mean over drivers. No test."),
-        Table::of(
-            "correlations",
-            "Personality against ratings",
-            ["Conscientiousness <script>"],
-        )
-        .text("Independent", |row| *row)
-        .text("Dependent", |_| "M−C competence")
-        .left("Here", |_| {
-            Cell::Marked(apa::rho(-0.51, 22, 0.011).markup().to_owned())
-        })
-        .left("Paper", |_| {
-            Cell::Marked(apa::rho(-0.71, 22, 0.0001).markup().to_owned())
-        })
-        .noted(format!("*n* = {PARTICIPANTS} participants.")),
+        Table::of("accuracy", "How near Mimic comes to the own drive (%)", accuracy)
+            .text("Measure", |row| row.0)
+            .right("*n*", |_| Cell::count(PARTICIPANTS))
+            .right("Accuracy", |row| percent(row.1))
+            .right("Paper", |row| percent(row.2))
+            .noted("Accuracy: 1 − |car − driver| / driver, mean over drivers. No test."),
+        Table::of("correlations", "Personality against ratings", ["Conscientiousness <script>"])
+            .text("Independent", |row| *row)
+            .text("Dependent", |_| "M−C competence")
+            .left("Here", |_| Cell::Marked(apa::rho(-0.51, 22, 0.011).markup().to_owned()))
+            .left("Paper", |_| Cell::Marked(apa::rho(-0.71, 22, 0.0001).markup().to_owned()))
+            .noted(format!("*n* = {PARTICIPANTS} participants.")),
     ]
 }
 
@@ -56,9 +41,7 @@ fn style_space() -> StyleSpace {
         velocity_mps: 29.0 + 4.5 * wobble(i, 5),
     };
     StyleSpace {
-        drives: (0..30)
-            .map(|i| drive(i, format!("D{i:02} </script>")))
-            .collect(),
+        drives: (0..30).map(|i| drive(i, format!("D{i:02} </script>"))).collect(),
         people: (40..46)
             .map(|i| SpacePerson {
                 own: drive(i, format!("P{i} <b>&\u{202e}")),
@@ -124,11 +107,7 @@ pub(crate) fn report(context: &Context) -> Result<Report, ReportError> {
                 figures: figures(context)?,
                 tables: Vec::new(),
             },
-            Section {
-                title: "Tables".into(),
-                tables: tables(),
-                ..Section::default()
-            },
+            Section { title: "Tables".into(), tables: tables(), ..Section::default() },
         ],
         live: vec![Live {
             below: "embedding-space".into(),

@@ -48,9 +48,6 @@ fn one(kind: &str, context: &Context) -> Result<Vec<RenderedFile>, Box<dyn Error
             path: format!("{}.svg", figure.name),
             bytes: figure.standalone_svg().into_bytes(),
         },
-        RenderedFile {
-            path: format!("{}.png", figure.name),
-            bytes: figure.png()?,
-        },
+        RenderedFile { path: format!("{}.png", figure.name), bytes: figure.png()? },
     ])
 }

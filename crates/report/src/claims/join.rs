@@ -293,19 +293,17 @@ mod tests {
         let results = [("x.r", -0.8), ("x.n", 24.0), ("n", 24.0)].map(|(k, v)| (k.to_owned(), v));
         let results = BTreeMap::from(results);
         let mut claims = claim("-.56", "{ direction = { tolerance = 0.01 } }");
-        for (quantity, verdict) in [
-            (Quantity::R, Verdict::SameDirection),
-            (Quantity::Rho, Verdict::Agrees),
-        ] {
+        for (quantity, verdict) in
+            [(Quantity::R, Verdict::SameDirection), (Quantity::Rho, Verdict::Agrees)]
+        {
             claims[0].quantity = quantity;
             assert_eq!(join(&claims, &results).unwrap()[0].verdict, verdict);
         }
         // Which of them ours is decides, where it is said.
         let mut results = results;
-        for (ranks, quantity, verdict) in [
-            (0.0, Quantity::R, Verdict::SameDirection),
-            (1.0, Quantity::Rho, Verdict::Agrees),
-        ] {
+        for (ranks, quantity, verdict) in
+            [(0.0, Quantity::R, Verdict::SameDirection), (1.0, Quantity::Rho, Verdict::Agrees)]
+        {
             results.insert("x.ranks".to_owned(), ranks);
             let row = &join(&claims, &results).unwrap()[0];
             assert_eq!((row.ours_quantity, row.verdict), (quantity, verdict));
@@ -325,10 +323,7 @@ mod tests {
         for ours in [0.3, 0.12] {
             assert_eq!(verdict(".3", "{ by-design = {} }", ours), Verdict::ByDesign);
         }
-        assert_eq!(
-            verdict(".3", "{ near = { tolerance = 0 } }", 0.12),
-            Verdict::Differs
-        );
+        assert_eq!(verdict(".3", "{ near = { tolerance = 0 } }", 0.12), Verdict::Differs);
     }
 
     #[test]
@@ -343,15 +338,9 @@ mod tests {
     fn a_small_p_the_other_way_does_not_agree() {
         let claims = claim("<.001", "{ p-below = { bound = 0.001 } }");
         let mut results = BTreeMap::from([("x.r".to_owned(), 1e-6)]);
-        assert_eq!(
-            join(&claims, &results).unwrap()[0].verdict,
-            Verdict::NotComputed
-        );
+        assert_eq!(join(&claims, &results).unwrap()[0].verdict, Verdict::NotComputed);
         results.insert("x.r.direction".to_owned(), -0.4);
-        assert_eq!(
-            join(&claims, &results).unwrap()[0].verdict,
-            Verdict::Differs
-        );
+        assert_eq!(join(&claims, &results).unwrap()[0].verdict, Verdict::Differs);
     }
 
     #[test]
@@ -389,9 +378,6 @@ mod tests {
 
     #[test]
     fn a_misspelt_key_in_the_file_is_an_error() {
-        assert!(matches!(
-            load("[[claim]]\nidd = \"a\""),
-            Err(ReportError::Claims { .. })
-        ));
+        assert!(matches!(load("[[claim]]\nidd = \"a\""), Err(ReportError::Claims { .. })));
     }
 }

@@ -25,51 +25,39 @@ pub fn ledger_table(rows: &[LedgerRow]) -> Table {
         .collect();
     let missing = |text: Option<String>| text.map_or(Cell::Missing, Cell::Text);
     let marked = |text: Option<String>| text.map_or(Cell::Missing, Cell::Marked);
-    Table::of(
-        "claims",
-        "Every number that the paper reports, and ours",
-        rows,
-    )
-    .text("Claim", |row| &row.claim.text)
-    .text("Part", |row| &row.claim.section)
-    .left("Paper", |row| Cell::Marked(theirs(row)))
-    .left("Here", |row| marked(ours(row)))
-    .text("Verdict", |row| row.verdict.text())
-    .text("Rule", |row| rule(row.claim.rule))
-    .left("*p* < .05?", |row| {
-        let left_open = || row.left_open().map(LeftOpen::text);
-        row.clear()
-            .or_else(left_open)
-            .map_or(Cell::Missing, Cell::text)
-    })
-    .left("Does the paper agree with itself?", |row| {
-        marked(own_figures(row))
-    })
-    .left("Stage", |row| {
-        missing(row.made.as_ref().map(|m| m.stage.clone()))
-    })
-    .left("Shown in", |row| {
-        shown_in(row).map_or(Cell::Missing, Cell::text)
-    })
-    .left("Remark", |row| missing(row.claim.note.clone()))
-    .noted(format!("{}.", counts.join("; ")))
-    .noted(
-        "The paper’s participants are real people, ours may be synthetic: a verdict compares \
+    Table::of("claims", "Every number that the paper reports, and ours", rows)
+        .text("Claim", |row| &row.claim.text)
+        .text("Part", |row| &row.claim.section)
+        .left("Paper", |row| Cell::Marked(theirs(row)))
+        .left("Here", |row| marked(ours(row)))
+        .text("Verdict", |row| row.verdict.text())
+        .text("Rule", |row| rule(row.claim.rule))
+        .left("*p* < .05?", |row| {
+            let left_open = || row.left_open().map(LeftOpen::text);
+            row.clear().or_else(left_open).map_or(Cell::Missing, Cell::text)
+        })
+        .left("Does the paper agree with itself?", |row| marked(own_figures(row)))
+        .left("Stage", |row| missing(row.made.as_ref().map(|m| m.stage.clone())))
+        .left("Shown in", |row| shown_in(row).map_or(Cell::Missing, Cell::text))
+        .left("Remark", |row| missing(row.claim.note.clone()))
+        .noted(format!("{}.", counts.join("; ")))
+        .noted(
+            "The paper’s participants are real people, ours may be synthetic: a verdict compares \
              direction and size, and is no replication.",
-    )
-    .keyed(&[
-        "claim",
-        "part",
-        "paper",
-        "here",
-        "verdict",
-        "rule",
-        "clear",
-        "paper_with_itself",
-        "stage",
-        "shown_in",
-        "remark",
-    ])
+        )
+        .keyed(&[
+            "claim",
+            "part",
+            "paper",
+            "here",
+            "verdict",
+            "rule",
+            "clear",
+            "paper_with_itself",
+            "stage",
+            "shown_in",
+            "remark",
+        ])
 }
 
 fn shown_in(row: &LedgerRow) -> Option<&str> {
@@ -86,11 +74,7 @@ fn symbol(quantity: Quantity) -> &'static str {
 
 /// `= .46`, `< .001`.
 fn relation(text: &str) -> String {
-    if text.starts_with(['<', '>']) {
-        text.to_owned()
-    } else {
-        format!("= {text}")
-    }
+    if text.starts_with(['<', '>']) { text.to_owned() } else { format!("= {text}") }
 }
 
 pub(crate) fn theirs(row: &LedgerRow) -> String {
@@ -120,20 +104,12 @@ pub(crate) fn ours(row: &LedgerRow) -> Option<String> {
     let quantity = row.ours_quantity;
     Some(match quantity {
         Quantity::R | Quantity::Rho => {
-            let p = row
-                .ours_p
-                .map_or(String::new(), |p| format!(", {}", apa::p(p).markup()));
-            format!(
-                "{} = {}{p}",
-                symbol(quantity),
-                apa::bounded(ours, quantity.decimals())
-            )
+            let p = row.ours_p.map_or(String::new(), |p| format!(", {}", apa::p(p).markup()));
+            format!("{} = {}{p}", symbol(quantity), apa::bounded(ours, quantity.decimals()))
         }
         Quantity::P => apa::p(ours).markup().to_owned(),
         Quantity::Difference => {
-            let p = row
-                .ours_p
-                .map_or(String::new(), |p| format!(", {}", apa::p_holm(p).markup()));
+            let p = row.ours_p.map_or(String::new(), |p| format!(", {}", apa::p_holm(p).markup()));
             let sign = if ours > 0.0 { "+" } else { "" };
             format!("{sign}{}{p}", apa::number(ours, quantity.decimals()))
         }
@@ -172,9 +148,7 @@ pub(crate) fn own_figures(row: &LedgerRow) -> Option<String> {
             let decimals = row.claim.printed.decimals();
             let nearest = apa::number(nearest, decimals);
             let unit = row.claim.quantity.unit();
-            return Some(format!(
-                "no: the nearest that {of} people can give is {nearest}{unit}"
-            ));
+            return Some(format!("no: the nearest that {of} people can give is {nearest}{unit}"));
         }
         SelfCheck::Sum { fits: true, .. } => return Some("yes: its parts add up".to_owned()),
         SelfCheck::Sum { sum, .. } => {
@@ -189,11 +163,7 @@ pub(crate) fn own_figures(row: &LedgerRow) -> Option<String> {
         "< .001".to_owned()
     } else {
         let write = |p: f64| {
-            if p < 0.001 {
-                "< .001".to_owned()
-            } else {
-                apa::bounded(p, 3)
-            }
+            if p < 0.001 { "< .001".to_owned() } else { apa::bounded(p, 3) }
         };
         format!("{} to {}", write(low), write(high))
     };

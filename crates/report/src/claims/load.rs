@@ -151,9 +151,8 @@ impl TryFrom<String> for Printed {
     fn try_from(text: String) -> Result<Self, String> {
         let bound = text.chars().next().filter(|sign| matches!(sign, '<' | '>'));
         let digits = text.trim_start_matches(['<', '>']);
-        let value: f64 = digits
-            .parse()
-            .map_err(|_| format!("`{text}` is not a number as printed"))?;
+        let value: f64 =
+            digits.parse().map_err(|_| format!("`{text}` is not a number as printed"))?;
         if !value.is_finite() {
             return Err(format!("`{text}` is not a finite number"));
         }
@@ -170,17 +169,12 @@ impl From<Printed> for String {
 impl Printed {
     /// As printed, with a true minus sign.
     pub fn text(&self) -> String {
-        self.text
-            .replace('-', "−")
-            .replace('<', "< ")
-            .replace('>', "> ")
+        self.text.replace('-', "−").replace('<', "< ").replace('>', "> ")
     }
 
     /// Decimals printed.
     pub(crate) fn decimals(&self) -> usize {
-        self.text
-            .split_once('.')
-            .map_or(0, |(_, after)| after.len())
+        self.text.split_once('.').map_or(0, |(_, after)| after.len())
     }
 
     /// As in the file: `-.5`, `<.001`.
@@ -202,21 +196,15 @@ struct File {
 /// is used twice, [`ReportError::Claim`] for a coefficient outside −1..1, degrees of freedom
 /// without a source, or a sum of claims that are not there.
 pub fn load(toml: &str) -> Result<Vec<Claim>, ReportError> {
-    let file: File = toml::from_str(toml).map_err(|error| ReportError::Claims {
-        reason: error.to_string(),
-    })?;
+    let file: File =
+        toml::from_str(toml).map_err(|error| ReportError::Claims { reason: error.to_string() })?;
     let mut seen = BTreeSet::new();
     for claim in &file.claim {
         if !seen.insert(&claim.id) {
-            return Err(ReportError::DuplicateName {
-                name: claim.id.clone(),
-            });
+            return Err(ReportError::DuplicateName { name: claim.id.clone() });
         }
         let wrong = |reason: &str| {
-            Err(ReportError::Claim {
-                id: claim.id.clone(),
-                reason: reason.to_owned(),
-            })
+            Err(ReportError::Claim { id: claim.id.clone(), reason: reason.to_owned() })
         };
         let coefficient = matches!(claim.quantity, Quantity::R | Quantity::Rho);
         if coefficient && claim.printed.value.abs() > 1.0 {
@@ -228,10 +216,8 @@ pub fn load(toml: &str) -> Result<Vec<Claim>, ReportError> {
         if claim.df == Some(0) || claim.of == Some(0) {
             return wrong("`df` and `of` must be above 0");
         }
-        if let Some(id) = claim
-            .sum_of
-            .iter()
-            .find(|id| file.claim.iter().all(|other| other.id != **id))
+        if let Some(id) =
+            claim.sum_of.iter().find(|id| file.claim.iter().all(|other| other.id != **id))
         {
             return wrong(&format!("`sum_of` names `{id}`, which is no claim"));
         }

@@ -39,17 +39,10 @@ pub fn recheck(claim: &Claim) -> Option<Recheck> {
     let fitting_df = if result.consistent {
         None
     } else {
-        (1..=MOST_DF)
-            .filter(fits)
-            .min_by_key(|candidate| candidate.abs_diff(df))
+        (1..=MOST_DF).filter(fits).min_by_key(|candidate| candidate.abs_diff(df))
     };
     let [p_low, p_high] = result.p_range;
-    Some(Recheck {
-        p_low,
-        p_high,
-        follows: result.consistent,
-        fitting_df,
-    })
+    Some(Recheck { p_low, p_high, follows: result.consistent, fitting_df })
 }
 
 #[cfg(test)]
@@ -86,10 +79,7 @@ mod tests {
         let mut checked = 0;
         for claim in line.filter(|claim| claim.printed_p.is_some() && claim.id != "line-adb") {
             assert!(!recheck(claim).unwrap().follows, "{}", claim.id);
-            let with_20 = Claim {
-                df: Some(20),
-                ..claim.clone()
-            };
+            let with_20 = Claim { df: Some(20), ..claim.clone() };
             assert!(recheck(&with_20).unwrap().follows, "{}", claim.id);
             checked += 1;
         }

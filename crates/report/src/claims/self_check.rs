@@ -60,10 +60,7 @@ pub fn self_check(claim: &Claim, all: &[Claim]) -> Option<SelfCheck> {
     let part = |id: &String| Some(all.iter().find(|c| c.id == *id)?.printed.value);
     let parts: Option<Vec<f64>> = claim.sum_of.iter().map(part).collect();
     let sum: f64 = parts?.iter().sum();
-    Some(SelfCheck::Sum {
-        sum,
-        fits: (sum - printed).abs() < 1e-9,
-    })
+    Some(SelfCheck::Sum { sum, fits: (sum - printed).abs() < 1e-9 })
 }
 
 #[cfg(test)]

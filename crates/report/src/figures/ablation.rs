@@ -90,15 +90,8 @@ pub fn ablation(input: &Ablation, context: &Context) -> Result<Figure, ReportErr
                 ..Labels::default()
             };
             let differences = input.differences(index);
-            let x = Scale::over(
-                differences.iter().flatten().flatten().copied().chain([0.0]),
-                4,
-            );
-            let y = if index == 0 {
-                rows.axis()
-            } else {
-                rows.unnamed()
-            };
+            let x = Scale::over(differences.iter().flatten().flatten().copied().chain([0.0]), 4);
+            let y = if index == 0 { rows.axis() } else { rows.unnamed() };
             let mut panel = Panel::open(canvas, place, &labels, (x, y));
             panel.upright(0.0, Pen::new(MUTED, stroke::AXIS).dashed(2.0, 2.0));
             for (row, interval) in differences.into_iter().enumerate() {
@@ -117,9 +110,7 @@ impl Ablation {
     fn differences(&self, loss: usize) -> Vec<Option<[f64; 3]>> {
         let reference = &self.variants[0].losses[loss];
         let variants = self.variants.iter();
-        variants
-            .map(|v| difference(&v.losses[loss], reference))
-            .collect()
+        variants.map(|v| difference(&v.losses[loss], reference)).collect()
     }
 
     /// The losses that some drives do not have, such as `, 25 of them with following distance (m)`.
@@ -134,18 +125,11 @@ impl Ablation {
 
     /// Which variant is furthest above the first, in words.
     fn worst(&self, loss: usize) -> Option<String> {
-        let others = self
-            .differences(loss)
-            .into_iter()
-            .zip(&self.variants)
-            .skip(1);
+        let others = self.differences(loss).into_iter().zip(&self.variants).skip(1);
         let others = others.filter_map(|(interval, variant)| Some((interval?[0], &variant.name)));
         let (by, name) = others.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let (title, first) = (markup::plain(&self.losses[loss]), &self.variants[0].name);
-        Some(format!(
-            "{title}: {name} is furthest above {first}, by {}.",
-            number(by, 3)
-        ))
+        Some(format!("{title}: {name} is furthest above {first}, by {}.", number(by, 3)))
     }
 }
 
@@ -165,18 +149,8 @@ mod tests {
 
     #[test]
     fn a_variant_alone_is_compared_with_nothing() {
-        let only = AblationVariant {
-            name: "default".into(),
-            losses: vec![vec![Some(1.0)]],
-        };
-        let input = Ablation {
-            losses: vec!["L".into()],
-            variants: vec![only],
-            folds: 5,
-        };
-        assert!(matches!(
-            ablation(&input, &Context::real()),
-            Err(ReportError::TooFew { .. })
-        ));
+        let only = AblationVariant { name: "default".into(), losses: vec![vec![Some(1.0)]] };
+        let input = Ablation { losses: vec!["L".into()], variants: vec![only], folds: 5 };
+        assert!(matches!(ablation(&input, &Context::real()), Err(ReportError::TooFew { .. })));
     }
 }

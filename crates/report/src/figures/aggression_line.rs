@@ -46,20 +46,14 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
     let panels = input.panels.iter();
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (
-            TWO_COLUMNS_MM * grid.columns as f64 / 3.0,
-            55.0 * grid.rows() + 3.0,
-        ),
+        size_mm: (TWO_COLUMNS_MM * grid.columns as f64 / 3.0, 55.0 * grid.rows() + 3.0),
         title: "Position on the style line against each measure".to_owned(),
         caption: format!(
             "Each test participant’s position on the style line (the projection of the \
              embedding on the gradient of the style predictor) against each measure of their own \
              drive, in standard deviations of the training drivers. Line: least squares, with its \
              95% band. *n* = {}. The correlation and its test stand below each title.{}",
-            counted(
-                sizes.clone(),
-                ", by panel (not every drive has a value of every measure)"
-            ),
+            counted(sizes.clone(), ", by panel (not every drive has a value of every measure)"),
             crowd::words(sizes.max().unwrap_or(0))
         ),
         alt: described(panels.map(|p| (p.title.as_str(), p.statistic.as_str()))),
@@ -74,11 +68,7 @@ pub fn aggression_line(input: &AggressionLine, context: &Context) -> Result<Figu
             y: &panel.axis,
             ..Labels::default()
         };
-        let cloud = Cloud {
-            points: &panel.points,
-            ticks: 4,
-            radius: 1.6,
-        };
+        let cloud = Cloud { points: &panel.points, ticks: 4, radius: 1.6 };
         cloud.paint(canvas, place, &labels, &[]);
     })
 }
@@ -100,10 +90,8 @@ mod tests {
 
     #[test]
     fn participants_at_one_position_are_drawn_without_a_line() {
-        let figure = aggression_line(
-            &input(vec![(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]),
-            &Context::real(),
-        );
+        let figure =
+            aggression_line(&input(vec![(1.0, 2.0), (1.0, 3.0), (1.0, 4.0)]), &Context::real());
         assert!(!figure.unwrap().svg.contains("<polygon"));
     }
 

@@ -37,19 +37,13 @@ const NAME: &str = "architecture";
 pub fn architecture(input: &Architecture, context: &Context) -> Result<Figure, ReportError> {
     let check = Check(NAME);
     let parts = [
-        (
-            "layers of the following-distance predictor",
-            &input.following_distance,
-        ),
+        ("layers of the following-distance predictor", &input.following_distance),
         ("layers of the lane-change encoder", &input.lane_encoder),
         ("layers of the lane-change predictor", &input.lane_change),
         ("layers of the speed encoder", &input.speed_encoder),
         ("layers of the velocity predictor", &input.velocity),
         ("layers of the style predictor", &input.style),
-        (
-            "layers of the mutual-information network",
-            &input.mutual_information,
-        ),
+        ("layers of the mutual-information network", &input.mutual_information),
     ];
     for (what, layers) in parts {
         check.at_least(2, what, layers.len())?;
@@ -86,11 +80,7 @@ struct Row<'a> {
 }
 
 fn sizes(layers: &[usize]) -> String {
-    layers
-        .iter()
-        .map(ToString::to_string)
-        .collect::<Vec<_>>()
-        .join(" → ")
+    layers.iter().map(ToString::to_string).collect::<Vec<_>>().join(" → ")
 }
 
 fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Architecture) {
@@ -133,18 +123,10 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Architecture) {
     let row_y = |index: usize| top + (index as f64 + 0.5) * height;
     let bus = left + 184.0;
     let bus_pen = Pen::new(PURPLE, stroke::STRONG);
-    let embedding = format!(
-        "style embedding *w*^{{(p)}}, {} numbers a driver",
-        input.embedding
-    );
+    let embedding = format!("style embedding *w*^{{(p)}}, {} numbers a driver", input.embedding);
     let look = Look::new(size::AXIS + 0.5).centred();
     let (from, base) = ((bus - 40.0, place.top), place.top + 19.0);
-    panel(
-        canvas,
-        from,
-        (from.0 + look.width(&embedding) + 14.0, base),
-        PURPLE,
-    );
+    panel(canvas, from, (from.0 + look.width(&embedding) + 14.0, base), PURPLE);
     let middle = (from.0 + 7.0, f64::midpoint(from.1, base));
     canvas.text(&embedding, middle, look);
     canvas.line((bus, base), (bus, row_y(3) - 5.0), bus_pen);
@@ -206,19 +188,10 @@ fn network(
     ((name, name_size), layers): (&(String, f64), &[usize]),
     edge: RGBColor,
 ) {
-    panel(
-        canvas,
-        (left + from, y - BOX_HALF),
-        (left + to, y + BOX_HALF),
-        edge,
-    );
+    panel(canvas, (left + from, y - BOX_HALF), (left + to, y + BOX_HALF), edge);
     let middle = left + f64::midpoint(from, to);
     let encoder = edge == GREY;
-    let (name_y, sizes_y) = if encoder {
-        (y - 4.0, y + 7.0)
-    } else {
-        (y - 3.0, y + 9.0)
-    };
+    let (name_y, sizes_y) = if encoder { (y - 4.0, y + 7.0) } else { (y - 3.0, y + 9.0) };
     canvas.text(name, (middle, name_y), Look::new(*name_size).middle());
     let small = Look::new(size::TICK).middle().colour(MUTED);
     canvas.text(&sizes(layers), (middle, sizes_y), small);
@@ -242,27 +215,14 @@ fn posterior(
         canvas.text(line, (middle, centre - 2.0 + 10.0 * index as f64), small);
     }
     canvas.text("reads the four outputs,", (middle, centre + 24.0), small);
-    canvas.text(
-        "*v*^{(lv)}, *z*^{(l)} and *z*^{(v)}",
-        (middle, centre + 34.0),
-        small,
-    );
-    canvas.arrow(
-        (middle, base - 8.0),
-        (middle, base + 8.0),
-        Pen::new(INK, stroke::BOX),
-        4.5,
-    );
+    canvas.text("*v*^{(lv)}, *z*^{(l)} and *z*^{(v)}", (middle, centre + 34.0), small);
+    canvas.arrow((middle, base - 8.0), (middle, base + 8.0), Pen::new(INK, stroke::BOX), 4.5);
     canvas.text(
         "*ŵ*^{ (p)} ~ *N*(*μ*, *σ*)",
         (middle, base + 22.0),
         Look::new(size::TITLE).middle(),
     );
-    canvas.text(
-        "*L*_{5}  squared error to *w*^{(p)}",
-        (middle, base + 36.0),
-        small,
-    );
+    canvas.text("*L*_{5}  squared error to *w*^{(p)}", (middle, base + 36.0), small);
 }
 
 /// A long list of sizes on two lines.
@@ -271,10 +231,7 @@ fn wrapped(layers: &[usize]) -> Vec<String> {
         return vec![sizes(layers)];
     }
     let half = layers.len().div_ceil(2);
-    vec![
-        format!("{} →", sizes(&layers[..half])),
-        sizes(&layers[half..]),
-    ]
+    vec![format!("{} →", sizes(&layers[..half])), sizes(&layers[half..])]
 }
 
 fn panel(canvas: &mut Canvas<'_>, from: (f64, f64), to: (f64, f64), edge: RGBColor) {
@@ -299,9 +256,6 @@ mod tests {
             style: vec![3, 1],
             mutual_information: vec![37, 64, 64, 6],
         };
-        assert!(matches!(
-            architecture(&input, &Context::real()),
-            Err(ReportError::TooFew { .. })
-        ));
+        assert!(matches!(architecture(&input, &Context::real()), Err(ReportError::TooFew { .. })));
     }
 }

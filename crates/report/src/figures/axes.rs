@@ -47,11 +47,7 @@ impl Scale {
         let (low, high) = extent(values.into_iter().map(libm::log10));
         let room = 0.05 * (high - low);
         let (low, high) = widened(low - room, high + room);
-        let steps: &[f64] = if high - low < 1.6 {
-            &[1.0, 2.0, 5.0]
-        } else {
-            &[1.0]
-        };
+        let steps: &[f64] = if high - low < 1.6 { &[1.0, 2.0, 5.0] } else { &[1.0] };
         let mut ticks = Vec::new();
         let mut labels = Vec::new();
         for power in (low.floor() as i32)..=(high.ceil() as i32) {
@@ -76,10 +72,7 @@ impl Scale {
     /// A scale of names at 0, 1, 2 …: they are set so that none overlaps another.
     pub(crate) fn of_names(low: f64, high: f64, names: impl Iterator<Item = String>) -> Self {
         let ticks = names.enumerate().map(|(at, name)| (at as f64, name));
-        Self {
-            named: true,
-            ..Self::labelled(low, high, ticks.collect())
-        }
+        Self { named: true, ..Self::labelled(low, high, ticks.collect()) }
     }
 
     /// How its names are set on so many points.
@@ -94,16 +87,7 @@ impl Scale {
         labels: Vec<String>,
         logarithmic: bool,
     ) -> Self {
-        Self {
-            low,
-            high,
-            ticks,
-            labels,
-            from: 0.0,
-            to: 1.0,
-            logarithmic,
-            named: false,
-        }
+        Self { low, high, ticks, labels, from: 0.0, to: 1.0, logarithmic, named: false }
     }
 
     /// The same scale laid from `from` to `to` on the page, in points.
@@ -114,11 +98,7 @@ impl Scale {
 
     /// Where a value lies on the page, in points.
     pub(crate) fn at(&self, value: f64) -> f64 {
-        let value = if self.logarithmic {
-            libm::log10(value)
-        } else {
-            value
-        };
+        let value = if self.logarithmic { libm::log10(value) } else { value };
         self.place(value)
     }
 
@@ -136,9 +116,7 @@ impl Scale {
 pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
     values
         .into_iter()
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
-            (low.min(v), high.max(v))
-        })
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
 }
 
 fn widened(low: f64, high: f64) -> (f64, f64) {
@@ -149,11 +127,7 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
     if high - low > tiny {
         return (low, high);
     }
-    let room = if low.abs() < 1e-9 {
-        1.0
-    } else {
-        0.05 * low.abs()
-    };
+    let room = if low.abs() < 1e-9 { 1.0 } else { 0.05 * low.abs() };
     (low - room, high + room)
 }
 
@@ -183,10 +157,8 @@ impl Place {
     /// Left, top, width and height in whole units, with half of a gap to every side, not below `foot`.
     pub(crate) fn boxed(self, gap: (f64, f64), foot: f64) -> [i32; 4] {
         let (left, top) = (self.left - 0.5 * gap.0, self.top - 0.5 * gap.1);
-        let (width, height) = (
-            self.right + 0.5 * gap.0 - left,
-            (self.bottom + 0.5 * gap.1).min(foot) - top,
-        );
+        let (width, height) =
+            (self.right + 0.5 * gap.0 - left, (self.bottom + 0.5 * gap.1).min(foot) - top);
         [left.floor(), top.floor(), width.ceil(), height.ceil()].map(|v| v as i32)
     }
 
@@ -201,12 +173,7 @@ impl Place {
         let height = (self.bottom - self.top - gap.1 * (rows - 1) as f64) / rows as f64;
         let left = self.left + column as f64 * (width + gap.0);
         let top = self.top + row as f64 * (height + gap.1);
-        Self {
-            left,
-            top,
-            right: left + width,
-            bottom: top + height,
-        }
+        Self { left, top, right: left + width, bottom: top + height }
     }
 }
 
@@ -244,11 +211,7 @@ fn set(text: &str, look: Look, width: f64) -> Vec<String> {
         let shown = style::current().and_then(|style| style.label(line));
         let lines = fitted(shown.unwrap_or(line), look, width);
         // Whoever draws it looks up what it is to be called.
-        if lines.len() > 1 {
-            lines
-        } else {
-            vec![line.to_owned()]
-        }
+        if lines.len() > 1 { lines } else { vec![line.to_owned()] }
     };
     text.lines().flat_map(set).collect()
 }
@@ -268,9 +231,7 @@ impl Labels<'_> {
 
     /// Points that the lines of title and subtitle take after the first of each.
     pub(crate) fn further_lines(&self, width: f64, has_letter: bool) -> f64 {
-        let further = self
-            .head(width, has_letter)
-            .map(|l| l.len().saturating_sub(1) as f64);
+        let further = self.head(width, has_letter).map(|l| l.len().saturating_sub(1) as f64);
         let heights = [size::TITLE, size::SUBTITLE].map(|size| cap_height(size) + TITLE_GAP);
         further[0] * heights[0] + further[1] * heights[1]
     }
@@ -308,11 +269,7 @@ impl Frame {
             canvas.text(line, (outer.left, top), Look::new(size::SUBTITLE));
             top += TITLE_GAP;
         }
-        top += if labels.title.is_empty() {
-            cap_height(size::TICK) / 2.0
-        } else {
-            3.0
-        };
+        top += if labels.title.is_empty() { cap_height(size::TICK) / 2.0 } else { 3.0 };
         let mut bottom = outer.bottom;
         if !labels.x.is_empty() {
             bottom -= cap_height(size::AXIS) + 6.5;
@@ -328,12 +285,7 @@ impl Frame {
             let height = names.as_ref().map_or(cap_height(size::TICK), Names::height);
             bottom -= height + TICK_LENGTH + 2.5;
         }
-        let place = Place {
-            left,
-            top,
-            right: outer.right,
-            bottom,
-        };
+        let place = Place { left, top, right: outer.right, bottom };
         let frame = Self::laid(x, y, place);
         frame.axes(canvas, outer, labels, names.as_ref());
         frame
@@ -353,12 +305,7 @@ impl Frame {
         labels: &Labels<'_>,
         names: Option<&Names>,
     ) {
-        let Place {
-            left,
-            top,
-            right,
-            bottom,
-        } = self.place;
+        let Place { left, top, right, bottom } = self.place;
         let axis = Pen::new(INK, stroke::AXIS);
         let tick_look = Look::new(size::TICK);
         for (&tick, label) in self.y.ticks.iter().zip(&self.y.labels) {
@@ -380,15 +327,8 @@ impl Frame {
             }
             let half = tick_look.width(label) / 2.0;
             // The outermost labels stay inside the panel.
-            let x = x.clamp(
-                outer.left + half,
-                (outer.right - half).max(outer.left + half),
-            );
-            canvas.text(
-                label,
-                (x, bottom + TICK_LENGTH + 2.5),
-                tick_look.middle().hanging(),
-            );
+            let x = x.clamp(outer.left + half, (outer.right - half).max(outer.left + half));
+            canvas.text(label, (x, bottom + TICK_LENGTH + 2.5), tick_look.middle().hanging());
         }
         canvas.line((left, top), (left, bottom), axis);
         canvas.line((left, bottom), (right, bottom), axis);
@@ -396,17 +336,13 @@ impl Frame {
         if !labels.x.is_empty() {
             // Below the middle of the axis, unless the words would end outside.
             let half = axis_look.width(labels.x) / 2.0;
-            let x = f64::midpoint(left, right)
-                .min(outer.right - half)
-                .max(outer.left + half);
+            let x = f64::midpoint(left, right).min(outer.right - half).max(outer.left + half);
             canvas.text(labels.x, (x, outer.bottom - 2.0), axis_look);
         }
         if !labels.y.is_empty() {
             let half = axis_look.width(labels.y) / 2.0;
             let middle = f64::midpoint(top, bottom);
-            let y = middle
-                .max(outer.top + half)
-                .min((outer.bottom - half).max(middle - half));
+            let y = middle.max(outer.top + half).min((outer.bottom - half).max(middle - half));
             canvas.text(labels.y, (outer.left, y), axis_look.hanging().turned());
         }
     }

@@ -48,20 +48,14 @@ pub fn calibration(input: &Calibration, context: &Context) -> Result<Figure, Rep
         check.that(seconds >= 1.0, "seconds", seconds, "a second at least")?;
     }
     let numbers = input.bins.iter().map(|b| b.seconds);
-    check.finite(
-        "expected_error and seconds",
-        numbers.chain([input.expected_error]),
-    )?;
+    check.finite("expected_error and seconds", numbers.chain([input.expected_error]))?;
     let observed: Vec<[f64; 4]> = input.bins.iter().map(CalibrationBin::percent).collect();
     // A bin of few seconds has an interval up to 100: points, not its end, set the axis.
     let most = observed.iter().map(|[x, y, ..]| x.max(*y));
     let top = (1.25 * most.fold(2.0, f64::max)).min(100.0);
     draw(plan(input), context, |canvas, place| {
-        let labels = Labels {
-            x: "Predicted probability (%)",
-            y: "Observed share (%)",
-            ..Labels::default()
-        };
+        let labels =
+            Labels { x: "Predicted probability (%)", y: "Observed share (%)", ..Labels::default() };
         let x = Scale::between(0.0, top, 5);
         let mut panel = Panel::open(canvas, place, &labels, (x.clone(), x));
         let alike = Pen::new(GREY, stroke::AXIS).dashed(3.0, 2.0);
@@ -95,11 +89,7 @@ fn error(input: &Calibration) -> String {
 fn plan(input: &Calibration) -> Plan {
     let seconds: f64 = input.bins.iter().map(|bin| bin.seconds).sum();
     let changing = input.bins.iter().map(|bin| bin.observed * bin.seconds);
-    let whose = if input.held_out {
-        "did not learn"
-    } else {
-        "learned"
-    };
+    let whose = if input.held_out { "did not learn" } else { "learned" };
     let error = error(input);
     Plan {
         name: NAME.to_owned(),
@@ -128,17 +118,8 @@ mod tests {
 
     #[test]
     fn a_share_above_one_is_refused() {
-        let bin = CalibrationBin {
-            predicted: 0.1,
-            observed: 1.2,
-            seconds: 20.0,
-        };
-        let input = Calibration {
-            bins: vec![bin],
-            expected_error: 0.0,
-            drives: 1,
-            held_out: true,
-        };
+        let bin = CalibrationBin { predicted: 0.1, observed: 1.2, seconds: 20.0 };
+        let input = Calibration { bins: vec![bin], expected_error: 0.0, drives: 1, held_out: true };
         let refused = calibration(&input, &Context::real());
         assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
     }

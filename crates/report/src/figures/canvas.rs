@@ -20,10 +20,7 @@ pub(crate) fn sketch(
     head: &Head,
     paint: impl FnOnce(&mut Canvas<'_>),
 ) -> Result<Sketch, ReportError> {
-    let failed = |reason: String| ReportError::Drawing {
-        figure: head.name.clone(),
-        reason,
-    };
+    let failed = |reason: String| ReportError::Drawing { figure: head.name.clone(), reason };
     for face in Face::ALL {
         register_font(FAMILY, font_style(face), face.ttf())
             .map_err(|_| failed(format!("the bundled font {face:?} cannot be used")))?;
@@ -45,10 +42,7 @@ pub(crate) fn sketch(
         if let Some(reason) = canvas.fault {
             return Err(failed(reason));
         }
-        canvas
-            .area
-            .present()
-            .map_err(|error| failed(error.to_string()))?;
+        canvas.area.present().map_err(|error| failed(error.to_string()))?;
         unknown_signs = canvas.unknown_signs;
     }
     Ok(Sketch { svg, unknown_signs })
@@ -84,12 +78,7 @@ pub(crate) struct Pen {
 
 impl Pen {
     pub(crate) fn new(colour: RGBColor, width: f64) -> Self {
-        Self {
-            colour,
-            width,
-            alpha: 1.0,
-            dash: None,
-        }
+        Self { colour, width, alpha: 1.0, dash: None }
     }
 
     pub(crate) fn alpha(self, alpha: f64) -> Self {
@@ -98,10 +87,7 @@ impl Pen {
 
     /// Drawn and skipped lengths, in points.
     pub(crate) fn dashed(self, on: f64, off: f64) -> Self {
-        Self {
-            dash: Some((on, off)),
-            ..self
-        }
+        Self { dash: Some((on, off)), ..self }
     }
 
     fn style(self) -> ShapeStyle {
@@ -185,11 +171,7 @@ impl Look {
     pub(crate) fn width(self, text: &str) -> f64 {
         let run_width = |run: &markup::Run| {
             let face = if run.italic { Face::Italic } else { self.face };
-            let size = if run.level == Level::Line {
-                self.size
-            } else {
-                script_size(self.size)
-            };
+            let size = if run.level == Level::Line { self.size } else { script_size(self.size) };
             face.width_em(&run.text) * size
         };
         let line_width = |line: &str| markup::runs(line).iter().map(run_width).sum::<f64>();
@@ -225,8 +207,7 @@ impl Canvas<'_> {
         if units.is_finite() && units.abs() < 1e7 {
             return units as i32;
         }
-        self.fault
-            .get_or_insert_with(|| format!("a coordinate came out as {value} pt"));
+        self.fault.get_or_insert_with(|| format!("a coordinate came out as {value} pt"));
         0
     }
 
@@ -351,15 +332,10 @@ impl Canvas<'_> {
         self.unknown_signs |= markup::runs(text).iter().any(|run| look.lacks(run));
         let point = self.at(at);
         let em = look.size * UNITS_PER_POINT * LINE_EM;
-        let turn = if look.turned {
-            FontTransform::Rotate270
-        } else {
-            FontTransform::None
-        };
+        let turn = if look.turned { FontTransform::Rotate270 } else { FontTransform::None };
         let font = (FAMILY, em, font_style(look.face)).into_font();
-        let style = TextStyle::from(font.transform(turn))
-            .color(&look.colour)
-            .pos(Pos::new(look.h, look.v));
+        let style =
+            TextStyle::from(font.transform(turn)).color(&look.colour).pos(Pos::new(look.h, look.v));
         let drawn = self.area.draw_text(text, &style, point);
         self.note(drawn);
     }
@@ -367,11 +343,7 @@ impl Canvas<'_> {
 
 /// An area without a line around it.
 fn filled(colour: RGBColor, alpha: f64) -> ShapeStyle {
-    ShapeStyle {
-        color: colour.mix(alpha),
-        filled: true,
-        stroke_width: 0,
-    }
+    ShapeStyle { color: colour.mix(alpha), filled: true, stroke_width: 0 }
 }
 
 fn dashes(points: &[Point], on: f64, off: f64) -> Vec<Vec<Point>> {
@@ -383,10 +355,7 @@ fn dashes(points: &[Point], on: f64, off: f64) -> Vec<Vec<Point>> {
         let mut length = libm::hypot(to.0 - from.0, to.1 - from.1);
         while length > left {
             let share = left / length;
-            from = (
-                from.0 + (to.0 - from.0) * share,
-                from.1 + (to.1 - from.1) * share,
-            );
+            from = (from.0 + (to.0 - from.0) * share, from.1 + (to.1 - from.1) * share);
             length -= left;
             if drawing {
                 piece.push(from);

@@ -131,14 +131,8 @@ pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, 
         let keys: Vec<(Key, &str)> = keys.map(|f| (Key::Line(f.pen()), f.label())).collect();
         let whole = canvas.legend(whole, &keys);
         let split = whole.top + 0.56 * (whole.bottom - whole.top);
-        let upper = Place {
-            bottom: split - 4.0,
-            ..whole
-        };
-        let lower = Place {
-            top: split,
-            ..whole
-        };
+        let upper = Place { bottom: split - 4.0, ..whole };
+        let lower = Place { top: split, ..whole };
         let gap = (upper, "Gap to the vehicle ahead (m)", "");
         let since = "Time since the start of the test third (s)";
         let speed = (lower, "Speed (m/s)", since);
@@ -150,12 +144,7 @@ pub fn car_following(input: &CarFollowing, context: &Context) -> Result<Figure, 
             let series: Vec<Vec<f64>> = input.series.iter().map(pick).collect();
             let values = series.iter().flatten().copied();
             let y = Scale::over(values.chain(of_gap.then_some(0.0)), 5);
-            let labels = Labels {
-                x: x_title,
-                y: y_title,
-                numbers: 12.0,
-                ..Labels::default()
-            };
+            let labels = Labels { x: x_title, y: y_title, numbers: 12.0, ..Labels::default() };
             let x = Scale::between(0.0, last - first, 8);
             let mut panel = Panel::open(canvas, place, &labels, (x, y));
             for (run, values) in input.series.iter().zip(series).rev() {

@@ -34,9 +34,7 @@ impl Check<'_> {
         if !self.0.is_empty() && self.0.chars().all(usable) {
             return Ok(());
         }
-        Err(ReportError::BadName {
-            name: self.0.to_owned(),
-        })
+        Err(ReportError::BadName { name: self.0.to_owned() })
     }
 
     /// There are at least `expected` of them.
@@ -96,12 +94,7 @@ impl Check<'_> {
 
     /// There are at most so many of them.
     pub(crate) fn at_most(self, most: usize, what: &str, count: usize) -> Result<(), ReportError> {
-        self.that(
-            count <= most,
-            what,
-            count as f64,
-            &format!("at most {most}"),
-        )
+        self.that(count <= most, what, count as f64, &format!("at most {most}"))
     }
 
     /// Each value is above the one before it.

@@ -73,24 +73,13 @@ pub fn comparison(input: &Comparison, context: &Context) -> Result<Figure, Repor
         for row in &panel.rows {
             check.length("a person's row", row.len(), k)?;
         }
-        check.finite(
-            &panel.outcome,
-            panel.rows.iter().flatten().flatten().copied(),
-        )?;
-        check.finite(
-            "a mean",
-            panel.cells.iter().filter_map(|c| c.mean).flatten(),
-        )?;
+        check.finite(&panel.outcome, panel.rows.iter().flatten().flatten().copied())?;
+        check.finite("a mean", panel.cells.iter().filter_map(|c| c.mean).flatten())?;
         check.finite("a contrast's p", panel.contrasts.iter().map(|c| c.p))?;
         check.at_least(1, "values", panel.rows.iter().flatten().flatten().count())?;
         for contrast in &panel.contrasts {
             let last = contrast.first.max(contrast.second);
-            check.that(
-                last < k,
-                "a contrast's cell",
-                last as f64,
-                "the place of a cell",
-            )?;
+            check.that(last < k, "a contrast's cell", last as f64, "the place of a cell")?;
         }
     }
     let cells = input.panels.iter().map(|p| p.cells.len());
@@ -148,10 +137,7 @@ fn caption(input: &Comparison) -> String {
     let brackets = if input.panels.iter().all(|p| p.contrasts.is_empty()) {
         String::new()
     } else {
-        let many = input
-            .panels
-            .iter()
-            .any(|p| p.contrasts.len() > MOST_CONTRASTS);
+        let many = input.panels.iter().any(|p| p.contrasts.len() > MOST_CONTRASTS);
         let which = if many { ", those below .05" } else { "" };
         format!(" Brackets: {}{which}.", input.contrasts)
     };
@@ -208,11 +194,7 @@ mod tests {
                     vec![Some(2.0), None],
                     vec![Some(1.5), Some(3.0)],
                 ],
-                contrasts: vec![Contrast {
-                    first: 0,
-                    second: 1,
-                    p: 0.04,
-                }],
+                contrasts: vec![Contrast { first: 0, second: 1, p: 0.04 }],
             }],
             intervals: "95% intervals".into(),
             contrasts: "*p* after Holm".into(),
@@ -222,11 +204,7 @@ mod tests {
     #[test]
     fn names_from_a_table_are_drawn_as_they_are() {
         let figure = comparison(&input(), &Context::real()).unwrap();
-        assert!(
-            figure.svg.contains("a_b") && figure.svg.contains("c*d*"),
-            "{}",
-            figure.svg
-        );
+        assert!(figure.svg.contains("a_b") && figure.svg.contains("c*d*"), "{}", figure.svg);
         assert!(figure.alt.contains("a_b 1.50, c*d* 2.50"), "{}", figure.alt);
         assert!(figure.caption.contains("Brackets: *p* after Holm."));
     }
@@ -263,11 +241,8 @@ mod tests {
     #[test]
     fn of_many_contrasts_only_those_below_the_level_are_drawn() {
         let mut many = input();
-        let contrasts = (0..8).map(|i| Contrast {
-            first: 0,
-            second: 1,
-            p: 0.01 + 0.1 * f64::from(i),
-        });
+        let contrasts =
+            (0..8).map(|i| Contrast { first: 0, second: 1, p: 0.01 + 0.1 * f64::from(i) });
         many.panels[0].contrasts = contrasts.collect();
         assert_eq!(drawn(&many.panels[0]).contrasts.len(), 1);
         assert!(caption(&many).ends_with("those below .05."));

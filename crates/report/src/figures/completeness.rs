@@ -43,10 +43,7 @@ pub fn completeness(input: &Completeness, context: &Context) -> Result<Figure, R
     let rows = Rows::new(&input.rows, 0.7);
     draw(plan(input), context, |canvas, place| {
         // The first column carries the names beside its equal share of the width.
-        let grid = Place {
-            left: place.left + rows.width() + 6.0,
-            ..place
-        };
+        let grid = Place { left: place.left + rows.width() + 6.0, ..place };
         for (index, panel) in input.panels.iter().enumerate() {
             let mut cell = grid.cell((index, 0), (input.panels.len(), 1), (10.0, 0.0));
             let mut y = rows.unnamed();
@@ -61,11 +58,7 @@ pub fn completeness(input: &Completeness, context: &Context) -> Result<Figure, R
 fn paint(canvas: &mut Canvas<'_>, cell: Place, input: &CompletenessPanel, rows: &Rows, y: Scale) {
     let longest = input.counts.iter().map(|c| c.1).max().unwrap_or(0).max(1);
     let x = Scale::between(0.0, longest as f64, 4);
-    let labels = Labels {
-        title: &markup::literal(&input.title),
-        x: "People",
-        ..Labels::default()
-    };
+    let labels = Labels { title: &markup::literal(&input.title), x: "People", ..Labels::default() };
     let mut panel = Panel::open(canvas, cell, &labels, (x, y));
     for (row, &(there, awaited)) in input.counts.iter().enumerate() {
         let middle = rows.y(row);
@@ -106,14 +99,8 @@ mod tests {
         Completeness {
             rows: vec!["Before the drives".into(), "Calm".into()],
             panels: vec![
-                CompletenessPanel {
-                    title: "Logs".into(),
-                    counts: vec![(0, 0), (3, 4)],
-                },
-                CompletenessPanel {
-                    title: "Answers".into(),
-                    counts: vec![(4, 4), (2, 4)],
-                },
+                CompletenessPanel { title: "Logs".into(), counts: vec![(0, 0), (3, 4)] },
+                CompletenessPanel { title: "Answers".into(), counts: vec![(4, 4), (2, 4)] },
             ],
         }
     }

@@ -35,17 +35,12 @@ impl ConditionLook {
     /// by their place on the dial (by their order where nothing turns a dial), other cars beside it.
     pub fn of(design: &Design) -> Vec<Self> {
         let conditions = design.conditions();
-        let furthest = conditions
-            .iter()
-            .filter_map(Condition::dial)
-            .fold(0.0, |far: f64, d| far.max(d.abs()));
+        let furthest =
+            conditions.iter().filter_map(Condition::dial).fold(0.0, |far: f64, d| far.max(d.abs()));
         let turned = conditions.iter().any(|c| c.dial().is_some());
         let mut beside = [GREEN, OCHRE, MUTED].into_iter().cycle();
         let mut looks = Vec::new();
-        if let Some(baseline) = design
-            .baseline()
-            .filter(|b| design.condition(b.id).is_none())
-        {
+        if let Some(baseline) = design.baseline().filter(|b| design.condition(b.id).is_none()) {
             looks.push(Self {
                 id: baseline.id,
                 label: baseline.label.clone(),
@@ -157,10 +152,7 @@ mod tests {
             "##,
         );
         let colours: Vec<[u8; 3]> = found.iter().map(|l| l.colour).collect();
-        assert_eq!(
-            colours,
-            [INK, BLUE, PURPLE, RGBColor(0x10, 0x20, 0x30), OCHRE].map(channels)
-        );
+        assert_eq!(colours, [INK, BLUE, PURPLE, RGBColor(0x10, 0x20, 0x30), OCHRE].map(channels));
     }
 
     #[test]
@@ -170,12 +162,7 @@ mod tests {
         let found = looks(&format!("[study]\ntitle = \"t\"\n{conditions}"));
         for (i, a) in found.iter().enumerate() {
             for b in &found[..i] {
-                assert!(
-                    a.marker != b.marker && a.colour != b.colour,
-                    "{} {}",
-                    a.id,
-                    b.id
-                );
+                assert!(a.marker != b.marker && a.colour != b.colour, "{} {}", a.id, b.id);
             }
         }
     }

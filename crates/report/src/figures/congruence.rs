@@ -53,11 +53,8 @@ const MOST: usize = 9;
 const PANEL_MM: f64 = 58.0;
 /// Half the length of the stroke at the own style, in points.
 const STROKE: f64 = 4.0;
-const NAMES: [&str; 3] = [
-    "Own style 1 SD below the mean",
-    "Own style at the mean",
-    "Own style 1 SD above the mean",
-];
+const NAMES: [&str; 3] =
+    ["Own style 1 SD below the mean", "Own style at the mean", "Own style 1 SD above the mean"];
 /// Shape, colour and dashes of a curve.
 type Look = (Marker, RGBColor, Option<(f64, f64)>);
 const LOOKS: [Look; 3] = [
@@ -134,11 +131,7 @@ pub fn congruence(input: &Congruence, context: &Context) -> Result<Figure, Repor
     let count = input.panels.len();
     let most = if count == 4 { 2 } else { 3 };
     let grid = Grid::limited(count, most, (12.0, 11.0));
-    let width = if count == 1 {
-        ONE_COLUMN_MM
-    } else {
-        TWO_COLUMNS_MM
-    };
+    let width = if count == 1 { ONE_COLUMN_MM } else { TWO_COLUMNS_MM };
     let (name, part) = of_part(NAME, input.part);
     let plan = Plan {
         name,
@@ -153,19 +146,12 @@ pub fn congruence(input: &Congruence, context: &Context) -> Result<Figure, Repor
         input.panels.iter().any(has)
     };
     let looks = (0..LOOKS.len()).filter(drawn);
-    let keys: Vec<(Key, &str)> = looks
-        .map(|look| (Key::Line(pen(look)), NAMES[look]))
-        .collect();
+    let keys: Vec<(Key, &str)> = looks.map(|look| (Key::Line(pen(look)), NAMES[look])).collect();
     let lines = input.panels.iter().flat_map(CongruencePanel::lines);
     let x = Scale::over(lines.flat_map(CongruenceLine::styles), 5);
     let along = markup::capital(&markup::literal(&input.style)) + " of the car";
     draw_panels(plan, context, grid, &keys, |canvas, index, place| {
-        paint(
-            canvas,
-            place,
-            &input.panels[index],
-            (along.as_str(), x.clone()),
-        );
+        paint(canvas, place, &input.panels[index], (along.as_str(), x.clone()));
     })
 }
 
@@ -177,13 +163,8 @@ fn paint(
     (along, x): (&str, Scale),
 ) {
     let (title, axis) = (markup::literal(&input.title), markup::literal(&input.axis));
-    let labels = Labels {
-        title: &title,
-        subtitle: &input.test,
-        x: along,
-        y: &axis,
-        ..Labels::default()
-    };
+    let labels =
+        Labels { title: &title, subtitle: &input.test, x: along, y: &axis, ..Labels::default() };
     let y = Scale::over(input.lines().flat_map(CongruenceLine::ratings), 5);
     let mut panel = Panel::open(canvas, place, &labels, (x, y));
     let drawn = || {
@@ -215,11 +196,7 @@ fn caption(input: &Congruence) -> String {
         all if all == input.panels.len() => " and the period, averaged over the periods",
         _ => " and, where it can be told apart, the period, averaged over the periods",
     };
-    let always = if input.places == 3 {
-        ": a parabola through three always fits"
-    } else {
-        ""
-    };
+    let always = if input.places == 3 { ": a parabola through three always fits" } else { "" };
     format!(
         "Each rating as the mixed model predicts it (on the distance of the car from one’s own style, own style, their squares and product{period}; \
          level and slope of the distance at random over people), over the {} of the car: for people whose own is the mean, or one *SD* below or \
@@ -239,11 +216,7 @@ fn told_of(panel: &CongruencePanel) -> String {
         format!("own style {}, {best}", number(line.own, 1))
     };
     let lines: Vec<String> = panel.lines().map(line).collect();
-    format!(
-        "{}, predicted over the car’s style: {}.",
-        panel.title,
-        lines.join("; ")
-    )
+    format!("{}, predicted over the car’s style: {}.", panel.title, lines.join("; "))
 }
 
 #[cfg(test)]
@@ -254,9 +227,7 @@ mod tests {
         let rating = |car: f64| 5.0 - 0.01 * (car - own - 1.0).powi(2);
         CongruenceLine {
             own,
-            points: [-15.0, 0.0, 15.0]
-                .map(|moved| (own + moved, rating(own + moved)))
-                .to_vec(),
+            points: [-15.0, 0.0, 15.0].map(|moved| (own + moved, rating(own + moved))).to_vec(),
             at_own: Some(rating(own)),
             best,
         }
@@ -271,11 +242,7 @@ mod tests {
                 test: "*p* < .001".into(),
                 n: 24,
                 period: true,
-                curves: [
-                    Some(line(20.0, Some((21.0, 5.0)))),
-                    Some(line(30.0, None)),
-                    None,
-                ],
+                curves: [Some(line(20.0, Some((21.0, 5.0)))), Some(line(30.0, None)), None],
             }],
             places: 3,
             part: None,
@@ -285,12 +252,7 @@ mod tests {
     #[test]
     fn the_caption_says_the_model_the_people_and_what_the_curvature_rests_on() {
         let figure = congruence(&input(), &Context::synthetic(1)).unwrap();
-        for text in [
-            "3 places of the dial",
-            "the period",
-            "*n* = 24",
-            "ADB score",
-        ] {
+        for text in ["3 places of the dial", "the period", "*n* = 24", "ADB score"] {
             assert!(figure.caption.contains(text), "{text}: {}", figure.caption);
         }
         assert!(figure.svg.contains(">ADB score of the car<"));

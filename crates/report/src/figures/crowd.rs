@@ -70,10 +70,7 @@ impl Cell {
     fn corners(&self, frame: &Frame) -> ((f64, f64), (f64, f64)) {
         let left = frame.place.left + self.column as f64 * CELL;
         let top = frame.place.top + self.row as f64 * CELL;
-        let end = (
-            (left + CELL).min(frame.place.right),
-            (top + CELL).min(frame.place.bottom),
-        );
+        let end = ((left + CELL).min(frame.place.right), (top + CELL).min(frame.place.bottom));
         ((left, top), end)
     }
 
@@ -96,12 +93,7 @@ fn cells(frame: &Frame, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Ve
     }
     cells
         .into_iter()
-        .map(|((row, column), (count, sum))| Cell {
-            column,
-            row,
-            count,
-            sum,
-        })
+        .map(|((row, column), (count, sum))| Cell { column, row, count, sum })
         .collect()
 }
 
@@ -111,12 +103,7 @@ mod tests {
 
     /// A panel of 100 by 40 points on the page, of which x is 0 to 100 and y 0 to 40 upwards.
     fn frame() -> Frame {
-        let place = Place {
-            left: 20.0,
-            top: 10.0,
-            right: 120.0,
-            bottom: 50.0,
-        };
+        let place = Place { left: 20.0, top: 10.0, right: 120.0, bottom: 50.0 };
         let (x, y) = (Scale::between(0.0, 100.0, 5), Scale::between(0.0, 40.0, 4));
         Frame::laid(x, y, place)
     }
@@ -124,12 +111,7 @@ mod tests {
     #[test]
     fn points_are_counted_in_the_cells_where_they_lie_row_by_row() {
         let frame = frame();
-        let points = [
-            (1.0, 39.0, 2.0),
-            (50.0, 1.0, 5.0),
-            (4.4, 36.0, 4.0),
-            (4.6, 39.0, 9.0),
-        ];
+        let points = [(1.0, 39.0, 2.0), (50.0, 1.0, 5.0), (4.4, 36.0, 4.0), (4.6, 39.0, 9.0)];
         let found = cells(&frame, points);
         let told: Vec<_> = found.iter().map(|c| (c.column, c.row, c.count)).collect();
         assert_eq!(told, [(0, 0, 2), (1, 0, 1), (11, 8, 1)]);

@@ -88,9 +88,8 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
     };
     let points = || input.panels.iter().flat_map(|p| &p.curves).flatten();
     let names = input.curves.iter().zip(LOOKS);
-    let keys: Vec<(Key, &str)> = names
-        .map(|(name, (marker, colour))| (Key::Point(marker, colour), name.as_str()))
-        .collect();
+    let keys: Vec<(Key, &str)> =
+        names.map(|(name, (marker, colour))| (Key::Point(marker, colour), name.as_str())).collect();
     draw_panels(plan, context, grid, &keys, |canvas, index, place| {
         let curves = &input.panels[index];
         let values = curves.curves.iter().flatten().flat_map(|p| [p.low, p.high]);
@@ -98,12 +97,8 @@ pub fn curves(input: &Curves, context: &Context) -> Result<Figure, ReportError> 
             Some((low, high)) => Scale::between(low, high, 5),
             None => Scale::over(values.chain([0.0]), 5),
         };
-        let labels = Labels {
-            title: &curves.title,
-            x: &input.x,
-            y: &curves.y,
-            ..Labels::default()
-        };
+        let labels =
+            Labels { title: &curves.title, x: &input.x, y: &curves.y, ..Labels::default() };
         let x = Scale::over(points().map(|p| p.x), 5);
         let mut panel = Panel::open(canvas, place, &labels, (x, y));
         if let Some(rule) = input.rule {
@@ -127,12 +122,7 @@ mod tests {
     use super::*;
 
     fn input(x: [f64; 2]) -> Curves {
-        let point = |x| CurvePoint {
-            x,
-            y: 0.5,
-            low: 0.4,
-            high: 0.6,
-        };
+        let point = |x| CurvePoint { x, y: 0.5, low: 0.4, high: 0.6 };
         Curves {
             name: "power-curves".into(),
             title: "Power".into(),

@@ -23,14 +23,8 @@ pub(crate) fn density(sorted: &[f64], steps: usize, range: (f64, f64)) -> Vec<(f
     let height = |value: f64| sorted.iter().map(|x| bell(value, *x)).sum::<f64>();
     let values = (0..=steps).map(|step| low + (high - low) * step as f64 / steps as f64);
     let curve: Vec<(f64, f64)> = values.map(|value| (value, height(value))).collect();
-    let top = curve
-        .iter()
-        .map(|point| point.1)
-        .fold(f64::MIN_POSITIVE, f64::max);
-    curve
-        .into_iter()
-        .map(|(value, height)| (value, height / top))
-        .collect()
+    let top = curve.iter().map(|point| point.1).fold(f64::MIN_POSITIVE, f64::max);
+    curve.into_iter().map(|(value, height)| (value, height / top)).collect()
 }
 
 #[cfg(test)]
@@ -59,9 +53,7 @@ mod tests {
         assert!((curve[0].0 + 2.0 * width).abs() < 1e-9);
         assert!((curve[100].0 - 10.0 - 2.0 * width).abs() < 1e-9);
         let bell = |value: f64| -> f64 {
-            let each = sorted
-                .iter()
-                .map(|x| (-0.5 * ((value - x) / width).powi(2)).exp());
+            let each = sorted.iter().map(|x| (-0.5 * ((value - x) / width).powi(2)).exp());
             each.sum()
         };
         let top = curve.iter().map(|p| bell(p.0)).fold(0.0, f64::max);

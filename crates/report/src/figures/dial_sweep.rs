@@ -51,55 +51,43 @@ pub fn dial_sweep(input: &DialSweep, context: &Context) -> Result<Figure, Report
     let grid = Grid::limited(input.panels.len(), 3, (12.0, 9.0));
     let ends = [input.points[0], input.points[input.points.len() - 1]];
     let shift = format!("Shift ({})", input.unit);
-    draw_panels(
-        plan(input, grid, ends),
-        context,
-        grid,
-        &[],
-        |canvas, index, place| {
-            let drivers = &input.panels[index].drivers;
-            let labels = Labels {
-                title: &input.panels[index].title,
-                subtitle: &input.panels[index].statistic,
-                x: &shift,
-                y: &input.panels[index].axis,
-                ..Labels::default()
+    draw_panels(plan(input, grid, ends), context, grid, &[], |canvas, index, place| {
+        let drivers = &input.panels[index].drivers;
+        let labels = Labels {
+            title: &input.panels[index].title,
+            subtitle: &input.panels[index].statistic,
+            x: &shift,
+            y: &input.panels[index].axis,
+            ..Labels::default()
+        };
+        let values = drivers.iter().flatten().flatten().copied();
+        let scales = (Scale::over(ends, 5), Scale::over(values, 5));
+        let mut panel = Panel::open(canvas, place, &labels, scales);
+        let shifts = || input.points.iter().copied();
+        for values in drivers.iter().take(MOST_LINES) {
+            let there = shifts().zip(values).filter_map(|(at, value)| Some((at, (*value)?)));
+            panel.line(there, Pen::new(GREY, stroke::THIN).alpha(0.6));
+        }
+        let whole = input.panels[index].whole();
+        let column =
+            |step: usize| -> Vec<f64> { whole.iter().map(|values| values[step]).collect() };
+        let columns: Vec<Vec<f64>> = (0..input.points.len()).map(column).collect();
+        let means = || shifts().zip(&columns).filter_map(|(at, values)| Some((at, mean(values)?)));
+        panel.line(means(), Pen::new(INK, stroke::STRONG));
+        for ((at, middle), values) in means().zip(&columns) {
+            let mark = match at {
+                at if at > 0.0 => (2.2, Marker::TriangleUp, ORANGE),
+                at if at < 0.0 => (2.2, Marker::TriangleDown, BLUE),
+                _ => (2.2, Marker::Square, PURPLE),
             };
-            let values = drivers.iter().flatten().flatten().copied();
-            let scales = (Scale::over(ends, 5), Scale::over(values, 5));
-            let mut panel = Panel::open(canvas, place, &labels, scales);
-            let shifts = || input.points.iter().copied();
-            for values in drivers.iter().take(MOST_LINES) {
-                let there = shifts()
-                    .zip(values)
-                    .filter_map(|(at, value)| Some((at, (*value)?)));
-                panel.line(there, Pen::new(GREY, stroke::THIN).alpha(0.6));
-            }
-            let whole = input.panels[index].whole();
-            let column =
-                |step: usize| -> Vec<f64> { whole.iter().map(|values| values[step]).collect() };
-            let columns: Vec<Vec<f64>> = (0..input.points.len()).map(column).collect();
-            let means = || {
-                shifts()
-                    .zip(&columns)
-                    .filter_map(|(at, values)| Some((at, mean(values)?)))
-            };
-            panel.line(means(), Pen::new(INK, stroke::STRONG));
-            for ((at, middle), values) in means().zip(&columns) {
-                let mark = match at {
-                    at if at > 0.0 => (2.2, Marker::TriangleUp, ORANGE),
-                    at if at < 0.0 => (2.2, Marker::TriangleDown, BLUE),
-                    _ => (2.2, Marker::Square, PURPLE),
-                };
-                match mean_interval(values, 0.95) {
-                    Some(interval) => {
-                        panel.upright_interval(at, interval, Pen::new(INK, stroke::BOX), mark);
-                    }
-                    None => panel.mark((at, middle), mark),
+            match mean_interval(values, 0.95) {
+                Some(interval) => {
+                    panel.upright_interval(at, interval, Pen::new(INK, stroke::BOX), mark);
                 }
+                None => panel.mark((at, middle), mark),
             }
-        },
-    )
+        }
+    })
 }
 
 impl DialPanel {

@@ -145,10 +145,9 @@ pub fn difference_panels(
     let heads = heads.map(|panel| [panel.title.as_str(), panel.omnibus.as_str()]);
     let height = height + rainclouds::further_mm(heads, grid, width);
     let what = match input.from {
-        Some(from) => format!(
-            "Difference between each condition and {}",
-            context.look(from).words()
-        ),
+        Some(from) => {
+            format!("Difference between each condition and {}", context.look(from).words())
+        }
         None => "The outcomes in each condition".to_owned(),
     };
     let (name, part) = of_part(NAME, input.part);
@@ -173,20 +172,13 @@ fn bracketed(panel: &DifferencePanel) -> Vec<PairTest> {
     let mut pairs = panel.pairs.clone();
     pairs.sort_by(|a, b| a.p_holm.total_cmp(&b.p_holm));
     let last = pairs.get(MOST_BRACKETS).map(|pair| pair.p_holm);
-    let kept = panel
-        .pairs
-        .iter()
-        .filter(|pair| last.is_none_or(|last| pair.p_holm < last));
+    let kept = panel.pairs.iter().filter(|pair| last.is_none_or(|last| pair.p_holm < last));
     // Of equal p none is preferred.
     kept.copied().collect()
 }
 
 fn complete(panel: &DifferencePanel) -> Vec<Vec<f64>> {
-    panel
-        .rows
-        .iter()
-        .filter_map(|row| row.iter().copied().collect())
-        .collect()
+    panel.rows.iter().filter_map(|row| row.iter().copied().collect()).collect()
 }
 
 /// Conditions in which nobody has a value.
@@ -210,18 +202,10 @@ fn means(panel: &DifferencePanel) -> Vec<Option<[f64; 3]>> {
 
 fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
     let means = means(panel).into_iter();
-    let slots = panel
-        .conditions
-        .iter()
-        .zip(means)
-        .map(|(&condition, mean)| {
-            let look = context.look(condition);
-            Slot {
-                name: look.words(),
-                look: (look.marker, look.rgb()),
-                mean,
-            }
-        });
+    let slots = panel.conditions.iter().zip(means).map(|(&condition, mean)| {
+        let look = context.look(condition);
+        Slot { name: look.words(), look: (look.marker, look.rgb()), mean }
+    });
     let place = |wanted: ConditionId| panel.conditions.iter().position(|&c| c == wanted);
     let contrasts = bracketed(panel)
         .into_iter()
@@ -241,11 +225,7 @@ fn drawn<'a>(panel: &'a DifferencePanel, context: &Context) -> Panel<'a> {
 fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f64)) -> String {
     let everybody = input.panels.iter().map(|panel| panel.rows.len()).max();
     let everybody = everybody.unwrap_or(0);
-    let complete: Vec<usize> = input
-        .panels
-        .iter()
-        .map(|panel| complete(panel).len())
-        .collect();
+    let complete: Vec<usize> = input.panels.iter().map(|panel| complete(panel).len()).collect();
     let complete = counted(complete.into_iter(), " (by panel)");
     let alone = input.panels.iter().all(|panel| panel.conditions.len() == 1);
     let points = match (everybody > MOST_POINTS, alone) {
@@ -259,18 +239,13 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
         }
     };
     let what = match input.from {
-        Some(from) => format!(
-            "Difference from {}, where the axis says so",
-            context.look(from).words()
-        ),
+        Some(from) => {
+            format!("Difference from {}, where the axis says so", context.look(from).words())
+        }
         None => "What was measured and answered".to_owned(),
     };
     let is_drawn = input.panels.iter().any(|panel| panel.reference.is_some());
-    let line = if is_drawn {
-        ", not with the dashed line"
-    } else {
-        ""
-    };
+    let line = if is_drawn { ", not with the dashed line" } else { "" };
     // In the figure of all panels, or in that of one.
     let widths = [width / grid.columns as f64, ONE_COLUMN_MM];
     let mut cut: Vec<String> = Vec::new();
@@ -293,12 +268,7 @@ fn caption(input: &DifferencePanels, context: &Context, (grid, width): (Grid, f6
         .panels
         .iter()
         .flat_map(|panel| empty(panel).map(|c| (c, &panel.title)))
-        .map(|(c, title)| {
-            format!(
-                " Nobody has a value of {title} in {}.",
-                context.look(c).words()
-            )
-        })
+        .map(|(c, title)| format!(" Nobody has a value of {title} in {}.", context.look(c).words()))
         .collect();
     let nobody = nobody.concat();
     let drawn = "Half violins are kernel densities (to two bandwidths beyond the data, never beyond the scale), boxes quartiles with whiskers to \
@@ -340,18 +310,13 @@ fn brackets(input: &DifferencePanels) -> String {
             "over the contrasts of that panel, in a panel of one group of people over those of all groups for the outcome"
         }
     };
-    let mut sized = panels()
-        .flat_map(bracketed)
-        .map(|pair| pair.effect.is_some());
+    let mut sized = panels().flat_map(bracketed).map(|pair| pair.effect.is_some());
     let has_size = sized.clone().any(|sized| sized);
     if !has_size {
         return format!("Brackets{which} carry *p* after Holm {family}.");
     }
-    let bare = if sized.all(|sized| sized) {
-        ""
-    } else {
-        "; *p* itself where there is no effect size"
-    };
+    let bare =
+        if sized.all(|sized| sized) { "" } else { "; *p* itself where there is no effect size" };
     format!(
         "Brackets{which} carry effect sizes, the condition on the right less that on the left (*d*_{{z}}, or the rank-biserial *r* where ranks were \
          compared) with the stars of *p* after Holm {family} (\\* .05, \\*\\* .01, \\*\\*\\* .001){bare}."
@@ -364,14 +329,10 @@ fn alternative(input: &DifferencePanels, context: &Context) -> String {
         let values = |index: usize| rows.iter().map(|row| row[index]).collect::<Vec<f64>>();
         let spreads = (0..panel.conditions.len()).filter_map(|c| standard_deviation(&values(c)));
         let decimals = apa::decimals_among(spreads);
-        let means = panel
-            .conditions
-            .iter()
-            .enumerate()
-            .filter_map(|(index, condition)| {
-                let mean = number(mean(&values(index))?, decimals);
-                Some(format!("{} {mean}", context.look(*condition).label))
-            });
+        let means = panel.conditions.iter().enumerate().filter_map(|(index, condition)| {
+            let mean = number(mean(&values(index))?, decimals);
+            Some(format!("{} {mean}", context.look(*condition).label))
+        });
         let means: Vec<String> = means.collect();
         format!("{}: means {}.", panel.title, means.join(", "))
     }))

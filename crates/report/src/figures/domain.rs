@@ -42,21 +42,12 @@ pub fn domain(context: &Context) -> Result<Figure, ReportError> {
         paint_vehicle(canvas, other, car, 0.0, PAPER);
         let name = Look::new(size::TICK).middle();
         canvas.text("ego", (ego.0, top - 5.0), name);
-        canvas.text(
-            "reference vehicle",
-            (lead.0 + 4.0, top + 2.0 * LANE + 5.0),
-            name.hanging(),
-        );
+        canvas.text("reference vehicle", (lead.0 + 4.0, top + 2.0 * LANE + 5.0), name.hanging());
         canvas.text("off-lane vehicle", (other.0, top - 5.0), name);
         let speed = Look::new(size::TITLE).centred();
         for (car_at, symbol) in [(ego, "*v*^{(ev)}"), (lead, "*v*^{(lv)}")] {
             let from = (car_at.0 + car.0 / 2.0 + 3.0, car_at.1);
-            canvas.arrow(
-                from,
-                (from.0 + 26.0, from.1),
-                Pen::new(INK, stroke::STRONG),
-                5.0,
-            );
+            canvas.arrow(from, (from.0 + 26.0, from.1), Pen::new(INK, stroke::STRONG), 5.0);
             canvas.text(symbol, (from.0 + 29.0, from.1), speed);
         }
         let thin = Pen::new(MUTED, stroke::AXIS);
@@ -73,22 +64,10 @@ pub fn domain(context: &Context) -> Result<Figure, ReportError> {
         measure(canvas, (front, below), (rear, below));
         let middle = f64::midpoint(front, rear);
         let look = Look::new(size::TITLE).middle();
-        canvas.text(
-            "*d*^{(x)}",
-            (middle, below + 5.0 + cap_height(size::TITLE)),
-            look,
-        );
+        canvas.text("*d*^{(x)}", (middle, below + 5.0 + cap_height(size::TITLE)), look);
         let beside = rear - 12.0;
-        canvas.line(
-            (front + 62.0, ego.1),
-            (beside + 4.0, ego.1),
-            thin.dashed(1.5, 1.5),
-        );
-        canvas.line(
-            (beside - 4.0, lead.1),
-            (rear, lead.1),
-            thin.dashed(1.5, 1.5),
-        );
+        canvas.line((front + 62.0, ego.1), (beside + 4.0, ego.1), thin.dashed(1.5, 1.5));
+        canvas.line((beside - 4.0, lead.1), (rear, lead.1), thin.dashed(1.5, 1.5));
         measure(canvas, (beside, ego.1), (beside, lead.1));
         canvas.text(
             "*d*^{(y)}",
@@ -104,11 +83,7 @@ fn road(canvas: &mut Canvas<'_>, (left, top): (f64, f64), right: f64) {
     let edge = Pen::new(LANE_LINE, stroke::STRONG);
     canvas.line((left, top), (right, top), edge);
     canvas.line((left, bottom), (right, bottom), edge);
-    canvas.line(
-        (left, top + LANE),
-        (right, top + LANE),
-        edge.dashed(9.0, 7.0),
-    );
+    canvas.line((left, top + LANE), (right, top + LANE), edge.dashed(9.0, 7.0));
 }
 
 fn measure(canvas: &mut Canvas<'_>, from: (f64, f64), to: (f64, f64)) {

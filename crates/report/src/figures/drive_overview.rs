@@ -52,11 +52,7 @@ pub fn drive_overview(input: &DriveOverview, context: &Context) -> Result<Figure
             markup::literal(&input.source),
             last - first
         ),
-        alt: format!(
-            "Speed, gap and lane of {} over {:.0} seconds.",
-            input.drive,
-            last - first
-        ),
+        alt: format!("Speed, gap and lane of {} over {:.0} seconds.", input.drive, last - first),
         shows: Shows::Participants,
     };
     let speed: Vec<Option<f64>> = input.speed_mps.iter().copied().map(Some).collect();
@@ -68,12 +64,7 @@ pub fn drive_overview(input: &DriveOverview, context: &Context) -> Result<Figure
     let panels = [
         ("Speed (m/s)", &speed, PURPLE, over(&speed)),
         ("Gap (m)", &input.gap_m, INK, over(&input.gap_m)),
-        (
-            "Lane",
-            &lane,
-            GREY,
-            Scale::labelled(-0.5, lanes_high, lanes.collect()),
-        ),
+        ("Lane", &lane, GREY, Scale::labelled(-0.5, lanes_high, lanes.collect())),
     ];
     draw(plan, context, |canvas, whole| {
         let height = (whole.bottom - whole.top) / 3.0;

@@ -74,11 +74,7 @@ impl Palette {
 
     pub(crate) fn colour(self, mps: f64) -> RGBColor {
         let range = self.high - self.low;
-        viridis(if range > 1e-9 {
-            (mps - self.low) / range
-        } else {
-            0.5
-        })
+        viridis(if range > 1e-9 { (mps - self.low) / range } else { 0.5 })
     }
 
     /// Both ends in the unit of the page, in words.
@@ -97,24 +93,14 @@ impl EmbeddingSpace {
     /// Where the drives lie on average.
     pub(crate) fn centre(&self) -> Vec<f64> {
         let n = self.points.len() as f64;
-        let along = |axis: usize| {
-            self.points
-                .iter()
-                .map(move |p| p.embedding[axis])
-                .sum::<f64>()
-        };
-        (0..self.gradient.len())
-            .map(|axis| along(axis) / n)
-            .collect()
+        let along = |axis: usize| self.points.iter().map(move |p| p.embedding[axis]).sum::<f64>();
+        (0..self.gradient.len()).map(|axis| along(axis) / n).collect()
     }
 
     /// Where everything that is drawn lies, the drives first.
     pub(crate) fn everything(&self) -> impl Iterator<Item = &[f64]> {
         let example = self.example.iter().flat_map(ExampleConditions::all);
-        self.points
-            .iter()
-            .map(|p| p.embedding.as_slice())
-            .chain(example)
+        self.points.iter().map(|p| p.embedding.as_slice()).chain(example)
     }
 }
 

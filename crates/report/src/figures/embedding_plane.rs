@@ -15,11 +15,7 @@ fn first_perpendicular(input: &EmbeddingSpace, unit: &[f64]) -> Vec<f64> {
         let pairs = point.embedding.iter().zip(&mean);
         let centred: Vec<f64> = pairs.map(|(w, m)| w - m).collect();
         let along = dot(&centred, unit);
-        centred
-            .iter()
-            .zip(unit)
-            .map(|(c, u)| c - along * u)
-            .collect()
+        centred.iter().zip(unit).map(|(c, u)| c - along * u).collect()
     };
     let across: Vec<Vec<f64>> = input.points.iter().map(across).collect();
     let spread = |v: &[f64]| across.iter().map(|row| dot(row, v).powi(2)).sum::<f64>();
@@ -48,11 +44,7 @@ fn first_perpendicular(input: &EmbeddingSpace, unit: &[f64]) -> Vec<f64> {
         }
     }
     let larger = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-    let sign = if best.iter().copied().fold(0.0, larger) < 0.0 {
-        -1.0
-    } else {
-        1.0
-    };
+    let sign = if best.iter().copied().fold(0.0, larger) < 0.0 { -1.0 } else { 1.0 };
     best.iter().map(|x| sign * x).collect()
 }
 
@@ -70,29 +62,16 @@ pub(crate) fn paint(
     let places: Vec<(f64, f64)> = input.everything().map(projected).collect();
     let x = Scale::over(places.iter().map(|place| place.0), 5);
     let y = Scale::over(places.iter().map(|place| place.1), 5);
-    let labels = Labels {
-        x: "Position on the style line",
-        y: "First axis across it",
-        ..Labels::default()
-    };
+    let labels =
+        Labels { x: "Position on the style line", y: "First axis across it", ..Labels::default() };
     // Level with the box beside it.
-    let (down, up) = if input.gradient.len() == 3 {
-        (6.0, 4.0)
-    } else {
-        (0.0, 0.0)
-    };
-    let place = Place {
-        top: place.top + down,
-        bottom: place.bottom - up,
-        ..place
-    };
+    let (down, up) = if input.gradient.len() == 3 { (6.0, 4.0) } else { (0.0, 0.0) };
+    let place = Place { top: place.top + down, bottom: place.bottom - up, ..place };
     let mut panel = Panel::open(canvas, place, &labels, (x, y));
     let drives = &places[..input.points.len()];
     let middle = drives.iter().map(|place| place.1).sum::<f64>() / drives.len() as f64;
     let (Place { left, right, .. }, y) = (panel.frame.place, panel.frame.y.at(middle));
-    panel
-        .canvas
-        .arrow((left, y), (right, y), Pen::new(INK, 1.2), 6.0);
+    panel.canvas.arrow((left, y), (right, y), Pen::new(INK, 1.2), 6.0);
     if let Some(ExampleConditions { ellipse, .. }) = &input.example {
         let ring = ellipse.iter().chain(ellipse.first()).map(|w| projected(w));
         panel.line(ring, Pen::new(GREEN, stroke::STRONG));
@@ -120,9 +99,7 @@ mod tests {
     #[test]
     fn the_second_axis_is_across_the_gradient() {
         let point = |seed: usize| EmbeddingPoint {
-            embedding: (0..5)
-                .map(|axis| ((seed * 13 + axis * 7) % 17) as f64)
-                .collect(),
+            embedding: (0..5).map(|axis| ((seed * 13 + axis * 7) % 17) as f64).collect(),
             score_points: 20.0,
             mean_velocity_mps: 28.0,
         };

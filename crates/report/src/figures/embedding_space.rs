@@ -25,22 +25,13 @@ pub fn embedding_space(input: &EmbeddingSpace, context: &Context) -> Result<Figu
     let palette = Palette::for_points(&input.points);
     let solid = input.gradient.len() == 3;
     draw(plan(input, palette, context), context, |canvas, whole| {
-        let upper = Place {
-            bottom: whole.bottom - 34.0,
-            ..whole
-        };
-        let keys = Place {
-            top: upper.bottom,
-            ..whole
-        };
+        let upper = Place { bottom: whole.bottom - 34.0, ..whole };
+        let keys = Place { top: upper.bottom, ..whole };
         paint_keys(canvas, keys, input, palette, context);
         let mut plane = upper;
         if solid {
             let split = whole.left + 0.5 * (whole.right - whole.left);
-            let left = Place {
-                right: split - 8.0,
-                ..upper
-            };
+            let left = Place { right: split - 8.0, ..upper };
             paint_solid(canvas, left, input, palette, context);
             plane.left = split + 8.0;
         }
@@ -123,9 +114,7 @@ fn check(input: &EmbeddingSpace) -> Result<(), ReportError> {
 
 /// All points, or at most [`MOST_POINTS`] of them, evenly over the list.
 fn sample(points: &[EmbeddingPoint]) -> impl Iterator<Item = &EmbeddingPoint> {
-    points
-        .iter()
-        .step_by(points.len().div_ceil(MOST_POINTS).max(1))
+    points.iter().step_by(points.len().div_ceil(MOST_POINTS).max(1))
 }
 
 enum Item<'a> {
@@ -144,11 +133,7 @@ fn paint_solid(
     const PIECES: u32 = 24;
     let cube = |w: &[f64]| [w[0], w[1], w[2]];
     let (unit, centre) = (cube(&input.unit()), cube(&input.centre()));
-    let view = View::fit(
-        &input.everything().map(cube).collect::<Vec<_>>(),
-        unit,
-        place,
-    );
+    let view = View::fit(&input.everything().map(cube).collect::<Vec<_>>(), unit, place);
     paint_box(canvas, &view, ["*w*_{1}", "*w*_{2}", "*w*_{3}"]);
     let mut items: Vec<(f64, (f64, f64), Item<'_>)> = Vec::new();
     let mut add = |w: [f64; 3], nearer: f64, item| {
@@ -168,22 +153,13 @@ fn paint_solid(
     for k in 0..PIECES {
         add(along(k), 0.0, Item::Piece(to(along(k + 1)), black));
     }
-    if let Some(ExampleConditions {
-        ellipse,
-        conditions,
-        ..
-    }) = &input.example
-    {
+    if let Some(ExampleConditions { ellipse, conditions, .. }) = &input.example {
         let pen = Pen::new(GREEN, stroke::STRONG);
         for (from, next) in ellipse.iter().zip(ellipse.iter().cycle().skip(1)) {
             add(cube(from), 0.0, Item::Piece(to(cube(next)), pen));
         }
         for (condition, w) in conditions {
-            add(
-                cube(w),
-                view.size(),
-                Item::Condition(context.look(*condition)),
-            );
+            add(cube(w), view.size(), Item::Condition(context.look(*condition)));
         }
     }
     items.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -257,9 +233,7 @@ mod tests {
 
     fn space(dimensions: usize) -> EmbeddingSpace {
         let embedding = |seed: usize| -> Vec<f64> {
-            (0..dimensions)
-                .map(|axis| ((seed * 13 + axis * 7) % 17) as f64 / 5.0 - 1.6)
-                .collect()
+            (0..dimensions).map(|axis| ((seed * 13 + axis * 7) % 17) as f64 / 5.0 - 1.6).collect()
         };
         let points = (0..20)
             .map(|seed| EmbeddingPoint {

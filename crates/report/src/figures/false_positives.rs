@@ -50,10 +50,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
     let within = rates().filter(|&rate| near(rate)).count();
     let parts = input.parts.iter();
     let parts = parts.map(|p| format!("{} ({})", p.name, p.rates.len()));
-    let families = input
-        .families
-        .iter()
-        .map(|(name, ..)| format!("Any in {name}"));
+    let families = input.families.iter().map(|(name, ..)| format!("Any in {name}"));
     let rows = Rows::new(parts.chain(families), 0.7);
     let count = input.parts.len() + input.families.len();
     let plan = Plan {
@@ -75,10 +72,7 @@ pub fn false_positives(input: &FalsePositives, context: &Context) -> Result<Figu
             (Key::Point(Marker::Square, PURPLE), "a family, after Holm"),
         ];
         let place = canvas.legend(whole, &keys);
-        let labels = Labels {
-            x: "Share of studies with p < .05",
-            ..Labels::default()
-        };
+        let labels = Labels { x: "Share of studies with p < .05", ..Labels::default() };
         let x = Scale::over(every().chain([0.0, 0.08]), 6);
         let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
         panel.stripe([LEVEL - TOLERANCE, LEVEL + TOLERANCE], PALE, 1.0);
@@ -106,10 +100,7 @@ mod tests {
     #[test]
     fn a_rate_above_one_is_refused_and_others_are_drawn() {
         let input = |rate| FalsePositives {
-            parts: vec![PartRates {
-                name: "pairs".into(),
-                rates: vec![0.04, rate],
-            }],
+            parts: vec![PartRates { name: "pairs".into(), rates: vec![0.04, rate] }],
             families: vec![("panel".into(), 0.03, (0.02, 0.05))],
             studies: 400,
             participants: 24,

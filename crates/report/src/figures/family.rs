@@ -80,10 +80,7 @@ pub fn family(input: &Family, context: &Context) -> Result<Figure, ReportError> 
         let below = canvas.legend(place, &keys.collect::<Vec<_>>());
         let rows = Rows::new(&input.rows, 0.7);
         // The first column carries the names beside its equal share of the width.
-        let grid = Place {
-            left: place.left + rows.width() + 6.0,
-            ..below
-        };
+        let grid = Place { left: place.left + rows.width() + 6.0, ..below };
         for (index, panel) in input.panels.iter().enumerate() {
             let (column, line) = (index % COLUMNS, index / COLUMNS);
             let mut cell = grid.cell((column, line), (columns, lines), (7.0, 8.0));
@@ -105,11 +102,8 @@ fn paint(
 ) {
     let ticks = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|t| (t, bounded(t, 1)));
     let x = Scale::labelled(-1.0, 1.0, ticks.to_vec());
-    let labels = Labels {
-        title: &markup::literal(&input.title),
-        x: "Correlation",
-        ..Labels::default()
-    };
+    let labels =
+        Labels { title: &markup::literal(&input.title), x: "Correlation", ..Labels::default() };
     let mut panel = Panel::open(canvas, cell, &labels, (x, y));
     panel.nothing(0.0);
     let step = 1.0 / (looks.len() as f64 + 1.0);
@@ -132,10 +126,7 @@ fn strongest(input: &Family) -> String {
     let most = cells.max_by(|a, b| a.2[0].abs().total_cmp(&b.2[0].abs()));
     let words = |(panel, row, cell): (&FamilyPanel, &String, &[f64; 3])| {
         let [r, low, high] = cell.map(|v| bounded(v, 2));
-        format!(
-            "The strongest is {row} with {}: {r} [{low}, {high}].",
-            panel.title
-        )
+        format!("The strongest is {row} with {}: {r} [{low}, {high}].", panel.title)
     };
     most.map_or_else(|| "None could be computed.".to_owned(), words)
 }
@@ -148,10 +139,7 @@ mod tests {
         let cell = |r: f64| Some([r, r - 0.5, (r + 0.5).min(1.0)]);
         Family {
             rows: vec!["Openness".into(), "Patience".into()],
-            series: vec![
-                ConditionId::new("fast").unwrap(),
-                ConditionId::new("slow").unwrap(),
-            ],
+            series: vec![ConditionId::new("fast").unwrap(), ConditionId::new("slow").unwrap()],
             panels: vec![FamilyPanel {
                 title: "Trust".into(),
                 cells: vec![vec![cell(0.1), None], vec![cell(0.6), cell(-0.2)]],
@@ -170,10 +158,7 @@ mod tests {
             "{}",
             figure.caption
         );
-        assert_eq!(
-            figure.alt,
-            "The strongest is Patience with Trust: .60 [.10, 1.00]."
-        );
+        assert_eq!(figure.alt, "The strongest is Patience with Trust: .60 [.10, 1.00].");
     }
 
     #[test]

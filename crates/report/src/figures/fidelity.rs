@@ -53,10 +53,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
     let check = Check(NAME);
     check.at_least(1, "measures", input.measures.len())?;
     for row in &input.measures {
-        check.finite(
-            &row.measure,
-            row.intervals().into_iter().flatten().flatten(),
-        )?;
+        check.finite(&row.measure, row.intervals().into_iter().flatten().flatten())?;
     }
     let count = input.measures.len() as f64;
     let points = match input.seeds {
@@ -82,10 +79,7 @@ pub fn fidelity(input: &Fidelity, context: &Context) -> Result<Figure, ReportErr
         let values = input.measures.iter().flat_map(FidelityRow::intervals);
         let lowest = values.flatten().flatten().fold(90.0, f64::min);
         let rows = Rows::new(input.measures.iter().map(|row| &row.measure), 0.6);
-        let labels = Labels {
-            x: "Accuracy (%)",
-            ..Labels::default()
-        };
+        let labels = Labels { x: "Accuracy (%)", ..Labels::default() };
         let scales = (Scale::between(lowest - 3.0, 100.0, 6), rows.axis());
         let mut panel = Panel::open(canvas, place, &labels, scales);
         for (index, row) in input.measures.iter().enumerate() {
@@ -145,11 +139,7 @@ mod tests {
     #[test]
     fn a_range_is_named_only_where_there_are_several_models() {
         let caption = |seeds| {
-            let share = |mean| Accuracy {
-                mean,
-                low: mean,
-                high: mean,
-            };
+            let share = |mean| Accuracy { mean, low: mean, high: mean };
             let row = FidelityRow {
                 measure: "Mean velocity".into(),
                 car: share(0.9),
@@ -157,11 +147,7 @@ mod tests {
                 population: None,
                 paper: None,
             };
-            let input = Fidelity {
-                measures: vec![row],
-                drivers: 24,
-                seeds,
-            };
+            let input = Fidelity { measures: vec![row], drivers: 24, seeds };
             fidelity(&input, &Context::real()).unwrap().caption
         };
         assert!(caption(5).contains("mean over 5 training seeds; line: their range"));
@@ -172,23 +158,12 @@ mod tests {
     fn an_accuracy_that_is_not_finite_is_refused() {
         let row = FidelityRow {
             measure: "Mean velocity".into(),
-            car: Accuracy {
-                mean: f64::NAN,
-                low: 0.9,
-                high: 1.0,
-            },
+            car: Accuracy { mean: f64::NAN, low: 0.9, high: 1.0 },
             test_retest: None,
             population: None,
             paper: None,
         };
-        let input = Fidelity {
-            measures: vec![row],
-            drivers: 24,
-            seeds: 5,
-        };
-        assert!(matches!(
-            fidelity(&input, &Context::real()),
-            Err(ReportError::NotFinite { .. })
-        ));
+        let input = Fidelity { measures: vec![row], drivers: 24, seeds: 5 };
+        assert!(matches!(fidelity(&input, &Context::real()), Err(ReportError::NotFinite { .. })));
     }
 }

@@ -33,10 +33,7 @@ pub struct Context {
     pub speed: SpeedUnit,
 }
 
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "serde asks with a reference"
-)]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
 fn none_beyond(beyond: &usize) -> bool {
     *beyond == 0
 }
@@ -49,20 +46,12 @@ impl Context {
 
     /// A context of synthetic participants, or of real recordings.
     pub fn of(synthetic: bool, seed: u64) -> Self {
-        if synthetic {
-            Self::synthetic(seed)
-        } else {
-            Self::real()
-        }
+        if synthetic { Self::synthetic(seed) } else { Self::real() }
     }
 
     /// A context of synthetic participants.
     pub fn synthetic(seed: u64) -> Self {
-        Self {
-            synthetic: true,
-            seed: Some(seed),
-            ..Self::default()
-        }
+        Self { synthetic: true, seed: Some(seed), ..Self::default() }
     }
 
     /// The same, with the conditions of a study.
@@ -149,10 +138,7 @@ impl Figure {
     pub fn standalone_svg(&self) -> String {
         match self.svg.split_once("<metadata>") {
             Some((before, after)) => {
-                format!(
-                    "{before}<style>{}</style>\n<metadata>{after}",
-                    font_face_css()
-                )
+                format!("{before}<style>{}</style>\n<metadata>{after}", font_face_css())
             }
             None => self.svg.clone(),
         }
@@ -242,18 +228,9 @@ pub(crate) fn draw(
         },
     };
     let sketch = sketch(&head, |canvas| {
-        let foot = if stand_ins.is_some() {
-            LABEL_HEIGHT
-        } else {
-            0.0
-        };
+        let foot = if stand_ins.is_some() { LABEL_HEIGHT } else { 0.0 };
         let (right, bottom) = (canvas.width - MARGIN, canvas.height - MARGIN);
-        let place = Place {
-            left: MARGIN,
-            top: MARGIN,
-            right,
-            bottom: bottom - foot,
-        };
+        let place = Place { left: MARGIN, top: MARGIN, right, bottom: bottom - foot };
         paint(canvas, place);
         if let Some(who) = stand_ins {
             let look = Look::new(size::SMALL).end().colour(MUTED);
@@ -268,11 +245,7 @@ pub(crate) fn draw(
         let _ = write!(caption, " {}.", markup::capital(who));
     }
     if shown && context.beyond > 0 {
-        let many = if context.beyond == 1 {
-            "person is"
-        } else {
-            "people are"
-        };
+        let many = if context.beyond == 1 { "person is" } else { "people are" };
         let _ = write!(
             caption,
             " {} {many} beyond what the model has learned from; the dial was turned for them all the same.",

@@ -59,11 +59,7 @@ pub fn flow(input: &Flow, context: &Context) -> Result<Figure, ReportError> {
     }
     let steps = steps(input);
     let height: f64 = steps.iter().map(Step::height).sum::<f64>() + GAP * steps.len() as f64;
-    let width = if has_beside(&steps) {
-        TWO_COLUMNS_MM
-    } else {
-        ONE_COLUMN_MM
-    };
+    let width = if has_beside(&steps) { TWO_COLUMNS_MM } else { ONE_COLUMN_MM };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (width, (height + 12.0) * 25.4 / 72.0 + 4.0),
@@ -121,11 +117,7 @@ fn if_any(n: usize, what: &str, left: &[(String, usize)]) -> String {
 fn reasons(left: &[(String, usize)]) -> String {
     let one = |(why, n): &(String, usize)| format!("{n}: {why}");
     let counts: Vec<String> = left.iter().map(one).collect();
-    if counts.is_empty() {
-        String::new()
-    } else {
-        format!(" ({})", counts.join("; "))
-    }
+    if counts.is_empty() { String::new() } else { format!(" ({})", counts.join("; ")) }
 }
 
 fn listed(title: &str, left: &[(String, usize)]) -> Vec<String> {
@@ -152,10 +144,7 @@ fn steps(input: &Flow) -> Vec<Step> {
         before.push(format!("Did not agree: {}", input.not_agreed));
     }
     let invited = (not_recruited > 0).then(|| Step {
-        lines: vec![format!(
-            "Asked to take part: {}",
-            input.recruited + not_recruited
-        )],
+        lines: vec![format!("Asked to take part: {}", input.recruited + not_recruited)],
         beside: before,
     });
     let others = [
@@ -163,14 +152,8 @@ fn steps(input: &Flow) -> Vec<Step> {
             lines: vec![format!("Recruited to be tested: {}", input.recruited)],
             beside: listed("Did not take part", &input.absent),
         },
-        Step {
-            lines: vec![format!("Drove or rated something: {}", input.drove)],
-            beside,
-        },
-        Step {
-            lines: analysed,
-            beside: Vec::new(),
-        },
+        Step { lines: vec![format!("Drove or rated something: {}", input.drove)], beside },
+        Step { lines: analysed, beside: Vec::new() },
     ];
     invited.into_iter().chain(others).collect()
 }
@@ -178,21 +161,12 @@ fn steps(input: &Flow) -> Vec<Step> {
 fn paint(canvas: &mut Canvas<'_>, place: Place, steps: &[Step]) {
     let width = place.right - place.left;
     let side = 0.50 * width;
-    let main = if has_beside(steps) {
-        0.44 * width
-    } else {
-        width
-    };
+    let main = if has_beside(steps) { 0.44 * width } else { width };
     let mut top = place.top + 4.0;
     let middle = place.left + 0.5 * main;
     for (at, step) in steps.iter().enumerate() {
         let bottom = top + step.lines.len() as f64 * LINE + 2.0 * PAD;
-        boxed(
-            canvas,
-            (place.left, top),
-            (place.left + main, bottom),
-            &step.lines,
-        );
+        boxed(canvas, (place.left, top), (place.left + main, bottom), &step.lines);
         let mut lowest = bottom;
         if !step.beside.is_empty() {
             let left = place.right - side;
@@ -258,11 +232,7 @@ mod tests {
         assert!(figure.alt.contains("1: withdrew consent"), "{}", figure.alt);
         assert!(figure.alt.starts_with("3 not admitted"), "{}", figure.alt);
         assert!(figure.alt.contains("2 did not agree, 24"), "{}", figure.alt);
-        let everybody = Flow {
-            not_admitted: Vec::new(),
-            not_agreed: 0,
-            ..input()
-        };
+        let everybody = Flow { not_admitted: Vec::new(), not_agreed: 0, ..input() };
         let figure = flow(&everybody, &Context::real()).unwrap();
         assert!(!figure.svg.contains("Asked"), "nobody was screened");
         assert!(figure.alt.starts_with("24 recruited"), "{}", figure.alt);
@@ -292,12 +262,7 @@ mod tests {
     #[test]
     fn what_does_not_add_up_at_a_step_is_refused() {
         let numbers = |recruited, drove, analysed| {
-            let input = Flow {
-                recruited,
-                drove,
-                analysed,
-                ..input()
-            };
+            let input = Flow { recruited, drove, analysed, ..input() };
             flow(&input, &Context::real())
         };
         assert!(numbers(24, 23, 22).is_ok());

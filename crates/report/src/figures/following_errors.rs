@@ -37,10 +37,7 @@ pub fn following_errors(input: &FollowingErrors, context: &Context) -> Result<Fi
         let (any, errors) = ((0.0, f64::MAX), gap_rmse_m.iter().copied());
         check.within(any, "gap_rmse_m", errors, "an error of at least 0 m")?;
     }
-    let labels = Labels {
-        x: "Root-mean-square error of the gap (m)",
-        ..Labels::default()
-    };
+    let labels = Labels { x: "Root-mean-square error of the gap (m)", ..Labels::default() };
     let crowd = input.drivers.len() > MOST_DRIVERS;
     draw(plan(input, crowd), context, |canvas, place| {
         if crowd {
@@ -95,30 +92,19 @@ fn by_driver(canvas: &mut Canvas<'_>, place: Place, labels: &Labels<'_>, input: 
     let mut panel = Panel::open(canvas, place, labels, (x, rows.axis()));
     panel.level(0.5, Pen::new(MUTED, stroke::AXIS));
     for row in 0..=input.drivers.len() {
-        let value = |m: &ModelErrors| {
-            m.gap_rmse_m
-                .get(row)
-                .copied()
-                .or_else(|| mean(&m.gap_rmse_m))
-        };
+        let value =
+            |m: &ModelErrors| m.gap_rmse_m.get(row).copied().or_else(|| mean(&m.gap_rmse_m));
         let values: Vec<f64> = input.models.iter().filter_map(value).collect();
         let (low, high) = extent(values.iter().copied());
-        panel.line(
-            [low, high].map(|end| (end, rows.y(row))),
-            Pen::new(GRID, 2.0),
-        );
-        let places: Vec<(f64, f64)> = values
-            .iter()
-            .map(|v| panel.frame.at(*v, rows.y(row)))
-            .collect();
+        panel.line([low, high].map(|end| (end, rows.y(row))), Pen::new(GRID, 2.0));
+        let places: Vec<(f64, f64)> =
+            values.iter().map(|v| panel.frame.at(*v, rows.y(row))).collect();
         let offsets = apart(&places.iter().map(|place| place.0).collect::<Vec<_>>());
         for ((model, (x, y)), offset) in input.models.iter().zip(places).zip(offsets).rev() {
             let (model, y) = (model.model, y + offset);
             match model.mark() {
                 Some(pen) => panel.canvas.line((x, y - 4.5), (x, y + 4.5), pen),
-                None => panel
-                    .canvas
-                    .marker((x, y), 2.4, model.marker(), model.colour()),
+                None => panel.canvas.marker((x, y), 2.4, model.marker(), model.colour()),
             }
         }
     }
@@ -149,10 +135,7 @@ mod tests {
         let input = FollowingErrors {
             data_set: "x".into(),
             drivers: vec!["a".into(), "b".into()],
-            models: vec![ModelErrors {
-                model: Follower::Idm,
-                gap_rmse_m: vec![1.0],
-            }],
+            models: vec![ModelErrors { model: Follower::Idm, gap_rmse_m: vec![1.0] }],
         };
         let refused = following_errors(&input, &Context::real());
         assert!(matches!(refused, Err(ReportError::LengthMismatch { .. })));

@@ -64,10 +64,8 @@ impl Face {
     pub(crate) fn width_em(self, text: &str) -> f64 {
         let font = self.parsed();
         let units = font.units_per_em().unwrap_or(1000.0);
-        let advance: f32 = text
-            .chars()
-            .map(|sign| font.h_advance_unscaled(font.glyph_id(sign)))
-            .sum();
+        let advance: f32 =
+            text.chars().map(|sign| font.h_advance_unscaled(font.glyph_id(sign))).sum();
         f64::from(advance / units)
     }
 }
@@ -107,13 +105,8 @@ mod tests {
 
     #[test]
     fn figures_are_of_even_width() {
-        let widths: Vec<f64> = ["0", "1", "7", "8"]
-            .map(|digit| Face::Regular.width_em(digit))
-            .to_vec();
-        assert!(
-            widths
-                .windows(2)
-                .all(|pair| (pair[0] - pair[1]).abs() < 1e-6)
-        );
+        let widths: Vec<f64> =
+            ["0", "1", "7", "8"].map(|digit| Face::Regular.width_em(digit)).to_vec();
+        assert!(widths.windows(2).all(|pair| (pair[0] - pair[1]).abs() < 1e-6));
     }
 }

@@ -43,27 +43,18 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
     check.at_least(1, "contrasts", input.rows.len())?;
     check.at_most(MOST, "contrasts", input.rows.len())?;
     check.finite("an estimate", values())?;
-    check.finite(
-        "bounds",
-        input.bounds.into_iter().flat_map(<[f64; 2]>::from),
-    )?;
+    check.finite("bounds", input.bounds.into_iter().flat_map(<[f64; 2]>::from))?;
     check.at_least(1, "estimates", values().count())?;
     let estimates = input.rows.iter().filter_map(|row| {
         let ends = row.estimate?;
         let [value, low, high] = ends.map(|v| number(v, decimals(ends[2] - ends[1])));
         Some(format!("{} {value} [{low}, {high}]", row.name))
     });
-    let bounds = if input.bounds.is_some() {
-        " Shaded: differences that count as none."
-    } else {
-        ""
-    };
+    let bounds =
+        if input.bounds.is_some() { " Shaded: differences that count as none." } else { "" };
     let plan = Plan {
         name: NAME.to_owned(),
-        size_mm: (
-            TWO_COLUMNS_MM * 0.75,
-            ROW_MM * input.rows.len() as f64 + 18.0,
-        ),
+        size_mm: (TWO_COLUMNS_MM * 0.75, ROW_MM * input.rows.len() as f64 + 18.0),
         title: input.title.clone(),
         caption: format!(
             "{}: estimates with intervals, and their tests; the dashed line is no difference.{bounds} *n* = {} participants.",
@@ -81,10 +72,7 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
         let rows = Rows::new(input.rows.iter().map(|row| &row.name), 0.7);
         let ends = input.bounds.into_iter().flat_map(<[f64; 2]>::from);
         let x = Scale::over(values().chain([0.0]).chain(ends), 6);
-        let labels = Labels {
-            x: &input.axis,
-            ..Labels::default()
-        };
+        let labels = Labels { x: &input.axis, ..Labels::default() };
         let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
         if let Some((low, high)) = input.bounds {
             panel.stripe([low, high], PALE, 1.0);
@@ -93,9 +81,7 @@ pub fn forest(input: &Forest, context: &Context) -> Result<Figure, ReportError> 
         for (i, row) in input.rows.iter().enumerate() {
             let y = rows.y(i);
             let right_end = (right, panel.frame.y.at(y));
-            panel
-                .canvas
-                .text(&row.said, right_end, look.end().centred());
+            panel.canvas.text(&row.said, right_end, look.end().centred());
             let Some([value, low, high]) = row.estimate else {
                 panel.dash(panel.frame.x.at(0.0), y);
                 continue;
@@ -131,9 +117,6 @@ mod tests {
         let figure = forest(&input, &Context::real()).unwrap();
         assert_eq!(figure.alt, "a|b 0.0040 [0.0010, 0.0070]");
         input.rows.remove(0);
-        assert!(matches!(
-            forest(&input, &Context::real()),
-            Err(ReportError::TooFew { .. })
-        ));
+        assert!(matches!(forest(&input, &Context::real()), Err(ReportError::TooFew { .. })));
     }
 }

@@ -20,11 +20,7 @@ pub(crate) struct Grid {
 impl Grid {
     /// So many panels, so many a row, with room between columns and between rows in points.
     pub(crate) fn new(count: usize, columns: usize, gap: (f64, f64)) -> Self {
-        Self {
-            count,
-            columns,
-            gap,
-        }
+        Self { count, columns, gap }
     }
 
     /// At most `most` a row.
@@ -99,13 +95,7 @@ pub(crate) fn draw_panels(
     let mut whole = draw(plan, context, |canvas, whole| {
         let place = head(canvas, whole);
         if place.top > whole.top {
-            cells.push(
-                Place {
-                    bottom: place.top - 3.0,
-                    ..whole
-                }
-                .boxed((0.0, 0.0), whole.bottom),
-            );
+            cells.push(Place { bottom: place.top - 3.0, ..whole }.boxed((0.0, 0.0), whole.bottom));
         }
         for index in 0..grid.count {
             let index_of_cell = (index % grid.columns, index / grid.columns);

@@ -103,18 +103,11 @@ fn caption(input: &Interaction) -> String {
     let n = counted(input.panels.iter().map(|panel| panel.n), " (by panel)");
     let are_cut = input.panels.iter().any(|panel| {
         let means = panel.lines.iter().flat_map(|line| &line.means).flatten();
-        let is_beyond = |end: &f64| {
-            panel
-                .range
-                .is_some_and(|(low, high)| !(low..=high).contains(end))
-        };
+        let is_beyond =
+            |end: &f64| panel.range.is_some_and(|(low, high)| !(low..=high).contains(end));
         means.flatten().any(is_beyond)
     });
-    let cut = if are_cut {
-        ", cut at the ends of the scale"
-    } else {
-        ""
-    };
+    let cut = if are_cut { ", cut at the ends of the scale" } else { "" };
     format!(
         "Markers are means with 95% intervals{cut}, a line a level of one factor. {} *n* = {n}.",
         input.intervals
@@ -146,11 +139,8 @@ const STEP: f64 = 1.25 * size::TICK;
 fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel, y: Scale) {
     let look = Look::new(size::TICK);
     let room = NAMES * (place.right - place.left);
-    let names: Vec<String> = input
-        .lines
-        .iter()
-        .map(|line| markup::literal(&shortened(&line.name, room)))
-        .collect();
+    let names: Vec<String> =
+        input.lines.iter().map(|line| markup::literal(&shortened(&line.name, room))).collect();
     let widest = look.widest(&names);
     let k = input.levels.len();
     let levels = input.levels.iter().map(|level| markup::literal(level));
@@ -162,18 +152,11 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel, y: Sca
         y: &input.axis,
         ..Labels::default()
     };
-    let inner = Place {
-        right: place.right - widest - 6.0,
-        ..place
-    };
+    let inner = Place { right: place.right - widest - 6.0, ..place };
     let mut panel = Panel::open(canvas, inner, &labels, (x, y));
     let lines = input.lines.len();
     let beside = |line: usize| {
-        let step = if lines > 1 {
-            APART / (lines - 1) as f64
-        } else {
-            0.0
-        };
+        let step = if lines > 1 { APART / (lines - 1) as f64 } else { 0.0 };
         step.min(0.12) * (line as f64 - (lines - 1) as f64 / 2.0)
     };
     for (index, line) in input.lines.iter().enumerate() {
@@ -204,9 +187,7 @@ fn paint(canvas: &mut Canvas<'_>, place: Place, input: &InteractionPanel, y: Sca
     for (y, index) in apart(&ends, bottom) {
         let (marker, colour) = line_look(index);
         panel.canvas.marker((right + 3.0, y), 2.0, marker, colour);
-        panel
-            .canvas
-            .text(&names[index], (right + 6.5, y), look.centred());
+        panel.canvas.text(&names[index], (right + 6.5, y), look.centred());
     }
 }
 
@@ -252,10 +233,7 @@ mod tests {
                 axis: "Rating, 1 to 7".into(),
                 factor: "Traffic".into(),
                 levels: ["free", "dense", "jam"].map(str::to_owned).to_vec(),
-                lines: vec![
-                    line("calm", [3.0, 4.0, 6.8]),
-                    line("sporty", [5.0, 4.0, 6.7]),
-                ],
+                lines: vec![line("calm", [3.0, 4.0, 6.8]), line("sporty", [5.0, 4.0, 6.7])],
                 range: Some((1.0, 7.0)),
             }],
             intervals: "Within people.".into(),
@@ -268,16 +246,8 @@ mod tests {
         for text in [">calm<", ">sporty<", ">free<", ">Traffic<"] {
             assert!(figure.svg.contains(text), "{text}: {}", figure.svg);
         }
-        assert!(
-            figure.caption.contains("Within people."),
-            "{}",
-            figure.caption
-        );
-        assert!(
-            figure.alt.contains("calm: free 3.00, dense 4.00, jam 6.80"),
-            "{}",
-            figure.alt
-        );
+        assert!(figure.caption.contains("Within people."), "{}", figure.caption);
+        assert!(figure.alt.contains("calm: free 3.00, dense 4.00, jam 6.80"), "{}", figure.alt);
     }
 
     #[test]
@@ -315,12 +285,7 @@ mod tests {
         let mut two = input();
         let mut higher = two.panels[0].clone();
         higher.range = None;
-        for mean in higher
-            .lines
-            .iter_mut()
-            .flat_map(|line| &mut line.means)
-            .flatten()
-        {
+        for mean in higher.lines.iter_mut().flat_map(|line| &mut line.means).flatten() {
             *mean = mean.map(|end| end + 10.0);
         }
         two.panels.push(higher);
@@ -333,10 +298,7 @@ mod tests {
 
     #[test]
     fn names_at_the_ends_never_touch_and_never_leave_the_panel() {
-        let placed = apart(
-            &[(10.0, 0), (10.0, 2), (11.0, 1), (99.0, 3), (99.5, 4)],
-            100.0,
-        );
+        let placed = apart(&[(10.0, 0), (10.0, 2), (11.0, 1), (99.0, 3), (99.5, 4)], 100.0);
         for pair in placed.windows(2) {
             assert!(pair[1].0 - pair[0].0 >= STEP - 1e-9, "{placed:?}");
         }

@@ -45,13 +45,7 @@ impl IntervalRow {
         estimate: Option<f64>,
         interval: Option<(f64, f64)>,
     ) -> Self {
-        Self {
-            label: label.into(),
-            estimate,
-            interval,
-            floor: None,
-            ceiling: None,
-        }
+        Self { label: label.into(), estimate, interval, floor: None, ceiling: None }
     }
 
     /// A share with its interval, in per cent.
@@ -73,10 +67,7 @@ impl IntervalRow {
 
     fn values(&self) -> impl Iterator<Item = f64> {
         let ends = self.interval.into_iter().flat_map(<[f64; 2]>::from);
-        [self.estimate, self.floor, self.ceiling]
-            .into_iter()
-            .flatten()
-            .chain(ends)
+        [self.estimate, self.floor, self.ceiling].into_iter().flatten().chain(ends)
     }
 }
 
@@ -134,11 +125,7 @@ pub fn intervals(
     let share = NAMES.into_iter().find(|share| !any_is_long(share));
     let are_tall = share.is_none();
     let share = share.unwrap_or(NAMES[1]);
-    let row_mm = if are_tall {
-        TALL_ROW_MM * ONE_COLUMN_MM / drawn_mm
-    } else {
-        ROW_MM
-    };
+    let row_mm = if are_tall { TALL_ROW_MM * ONE_COLUMN_MM / drawn_mm } else { ROW_MM };
     let plan = Plan {
         name: name.to_owned(),
         size_mm: (ONE_COLUMN_MM, row_mm * input.rows.len() as f64 + 12.0),
@@ -157,20 +144,13 @@ pub fn intervals(
                 shortened(whole, room)
             };
             // Whoever draws it looks up what it is to be called.
-            if name == whole {
-                row.label.clone()
-            } else {
-                name
-            }
+            if name == whole { row.label.clone() } else { name }
         });
         let rows = Rows::new(names, 0.6);
         let ends = input.bounds.into_iter().flat_map(<[f64; 2]>::from);
         let ends = ends.filter(|end| end.is_finite());
         let x = Scale::over(values().chain(input.nothing).chain(ends), 4);
-        let labels = Labels {
-            x: &input.axis,
-            ..Labels::default()
-        };
+        let labels = Labels { x: &input.axis, ..Labels::default() };
         let mut panel = Panel::open(canvas, place, &labels, (x, rows.axis()));
         if let Some((low, high)) = input.bounds {
             let (least, most) = panel.frame.x.ends();
@@ -247,10 +227,7 @@ mod tests {
     fn what_is_small_is_no_zero_in_the_words_of_a_figure() {
         let row = |interval| IntervalRow::new("Glances", Some(-0.003_97), interval);
         let said = |interval| row(interval).words().unwrap();
-        assert_eq!(
-            said(Some((-0.0057, -0.0023))),
-            "Glances −0.0040 [−0.0057, −0.0023]"
-        );
+        assert_eq!(said(Some((-0.0057, -0.0023))), "Glances −0.0040 [−0.0057, −0.0023]");
         assert_eq!(said(Some((-0.2, 0.2))), "Glances 0.00 [−0.20, 0.20]");
     }
 

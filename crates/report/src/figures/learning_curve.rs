@@ -121,23 +121,14 @@ mod tests {
 
     #[test]
     fn minutes_out_of_order_are_refused() {
-        let point = |minutes| LearningPoint {
-            minutes,
-            mean: 1.0,
-            low: 0.9,
-            high: 1.1,
-        };
+        let point = |minutes| LearningPoint { minutes, mean: 1.0, low: 0.9, high: 1.1 };
         let panel = LearningPanel {
             title: "L".into(),
             axis: "loss".into(),
             points: vec![point(2.0), point(1.0)],
             before: None,
         };
-        let input = LearningCurve {
-            panels: vec![panel],
-            drivers: 3,
-            judged_on: String::new(),
-        };
+        let input = LearningCurve { panels: vec![panel], drivers: 3, judged_on: String::new() };
         let refused = learning_curve(&input, &Context::real());
         assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
     }

@@ -64,9 +64,6 @@ impl Canvas<'_> {
             x += width + GAP;
         }
         self.legend_row((place.left, y), &row);
-        Place {
-            top: y + cap_height(size::TICK) + 4.0,
-            ..place
-        }
+        Place { top: y + cap_height(size::TICK) + 4.0, ..place }
     }
 }

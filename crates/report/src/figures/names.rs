@@ -234,15 +234,9 @@ mod tests {
     fn names_stand_on_as_few_lines_as_they_need_and_read_upwards_where_no_line_fits() {
         let short = names(&["calm", "sporty"]);
         let level = Names::set(&short, 40.0);
-        assert_eq!(
-            level,
-            Names::Level(vec![names(&["calm"]), names(&["sporty"])])
-        );
+        assert_eq!(level, Names::Level(vec![names(&["calm"]), names(&["sporty"])]));
         let two = Names::set(&names(&["calm, dense", "calm, free"]), 27.0);
-        assert_eq!(
-            two,
-            Names::Level(vec![names(&["calm,", "dense"]), names(&["calm,", "free"])])
-        );
+        assert_eq!(two, Names::Level(vec![names(&["calm,", "dense"]), names(&["calm,", "free"])]));
         assert!(two.height() > level.height());
         assert_eq!(Names::set(&short, 12.0), Names::Turned(short));
     }
@@ -258,15 +252,9 @@ mod tests {
         );
         let long = set("Conscientiousness and trust in the other car (own − calm)");
         assert_eq!(long.len(), 2);
-        assert!(
-            long[1].starts_with('…') && long[1].ends_with("(own − calm)"),
-            "{long:?}"
-        );
+        assert!(long[1].starts_with('…') && long[1].ends_with("(own − calm)"), "{long:?}");
         assert!(Look::new(size::TICK).widest(&long) <= room, "{long:?}");
-        assert_eq!(
-            set("panel.aggressiveness.score").concat(),
-            "panel.aggressiveness.score"
-        );
+        assert_eq!(set("panel.aggressiveness.score").concat(), "panel.aggressiveness.score");
         assert!(set("").is_empty());
     }
 
@@ -285,10 +273,7 @@ mod tests {
             ["Comfort", "(Experience: Novice)"]
         );
         assert_eq!(set("(a b c)", "(a b"), ["(a b", "c)"]);
-        assert_eq!(
-            set("line.with_score.p", "line.with_sc"),
-            ["line.with_", "score.p"]
-        );
+        assert_eq!(set("line.with_score.p", "line.with_sc"), ["line.with_", "score.p"]);
         assert!(set("", "x").is_empty());
     }
 
@@ -302,14 +287,8 @@ mod tests {
         // One of four is cut where the others stand level; two of four are not.
         let one = names(&["calm", "sporty", "own", "perpendicular"]);
         let set = Names::set(&one, 28.0);
-        assert!(
-            matches!(&set, Names::Level(lines) if lines[3][0].ends_with('…')),
-            "{set:?}"
-        );
-        assert_eq!(
-            (set.cut(), Names::set(&one, 60.0).cut()),
-            (vec![3], Vec::new())
-        );
+        assert!(matches!(&set, Names::Level(lines) if lines[3][0].ends_with('…')), "{set:?}");
+        assert_eq!((set.cut(), Names::set(&one, 60.0).cut()), (vec![3], Vec::new()));
         // It stands whole below the others where that does not lead out of the panel.
         let set = Names::set(&one, 34.0);
         assert!(

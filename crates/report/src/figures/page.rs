@@ -67,10 +67,7 @@ impl<'a> Page<'a> {
         let height = points_from_mm(height_mm) * UNITS_PER_POINT;
         let units = (width.round() as u32, height.round() as u32);
         let (width_mm, height_mm) = head.shown_mm;
-        let (w, h) = (
-            Hundredths(units.0.cast_signed()),
-            Hundredths(units.1.cast_signed()),
-        );
+        let (w, h) = (Hundredths(units.0.cast_signed()), Hundredths(units.1.cast_signed()));
         let name = markup::escape(&head.name);
         let _ = write!(
             out,
@@ -84,11 +81,7 @@ impl<'a> Page<'a> {
             markup::escape(&head.description),
             markup::escape(&head.metadata),
         );
-        Self {
-            out,
-            units,
-            polygon: None,
-        }
+        Self { out, units, polygon: None }
     }
 
     /// Fills with a colour, or draws a line with it and fills nothing.
@@ -100,10 +93,7 @@ impl<'a> Page<'a> {
     }
 
     fn colour<S: BackendStyle>(&mut self, style: &S, fill: bool) {
-        let BackendColor {
-            alpha,
-            rgb: (r, g, b),
-        } = style.color();
+        let BackendColor { alpha, rgb: (r, g, b) } = style.color();
         let kind = if fill { "fill" } else { "stroke" };
         let _ = write!(self.out, " {kind}=\"#{r:02x}{g:02x}{b:02x}\"");
         if alpha < 1.0 {
@@ -181,10 +171,7 @@ impl DrawingBackend for Page<'_> {
     ) -> Drawn {
         let (x, y) = (Hundredths(x0.min(x1)), Hundredths(y0.min(y1)));
         let (w, h) = (Hundredths((x1 - x0).abs()), Hundredths((y1 - y0).abs()));
-        let _ = write!(
-            self.out,
-            "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\""
-        );
+        let _ = write!(self.out, "<rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\"");
         self.paint(style, fill);
         self.out.push_str(END);
         Ok(())
@@ -198,9 +185,7 @@ impl DrawingBackend for Page<'_> {
         let path: Vec<BackendCoord> = path.into_iter().collect();
         // The outline of what was filled last is drawn by the same element.
         let outlines = self.polygon.take_if(|(corners, end)| {
-            let closed = path
-                .split_last()
-                .filter(|(last, _)| path.first() == Some(last));
+            let closed = path.split_last().filter(|(last, _)| path.first() == Some(last));
             *end == self.out.len() && closed.is_some_and(|(_, open)| open == corners)
         });
         if outlines.is_some() {
@@ -223,11 +208,7 @@ impl DrawingBackend for Page<'_> {
         style: &S,
         fill: bool,
     ) -> Drawn {
-        let (x, y, r) = (
-            Hundredths(x),
-            Hundredths(y),
-            Hundredths(radius.cast_signed()),
-        );
+        let (x, y, r) = (Hundredths(x), Hundredths(y), Hundredths(radius.cast_signed()));
         let _ = write!(self.out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"");
         self.paint(style, fill);
         self.out.push_str(END);
@@ -266,12 +247,7 @@ impl DrawingBackend for Page<'_> {
         self.out.push_str("<text");
         let _ = match style.transform() {
             FontTransform::None => {
-                write!(
-                    self.out,
-                    " x=\"{}\" y=\"{}\"",
-                    Hundredths(x),
-                    Hundredths(y + down)
-                )
+                write!(self.out, " x=\"{}\" y=\"{}\"", Hundredths(x), Hundredths(y + down))
             }
             turned => {
                 // Whole numbers, not degrees: whoever draws it would ask the system for their sine, which ends in other digits elsewhere.
@@ -281,10 +257,7 @@ impl DrawingBackend for Page<'_> {
                     _ => "0 -1 1 0",
                 };
                 let (x, y, down) = (Hundredths(x), Hundredths(y), Hundredths(down));
-                write!(
-                    self.out,
-                    " transform=\"matrix({axes} {x} {y})\" y=\"{down}\""
-                )
+                write!(self.out, " transform=\"matrix({axes} {x} {y})\" y=\"{down}\"")
             }
         };
         let _ = write!(self.out, " font-size=\"{size}\"");
@@ -326,11 +299,8 @@ fn write_runs(out: &mut String, text: &str, face: Face, em: f64) {
     for run in markup::runs(text) {
         let face = if run.italic { Face::Italic } else { face };
         // A sign that the font lacks would be a box in the PNG and something else elsewhere.
-        let known: String = run
-            .text
-            .chars()
-            .map(|sign| if face.has(sign) { sign } else { '?' })
-            .collect();
+        let known: String =
+            run.text.chars().map(|sign| if face.has(sign) { sign } else { '?' }).collect();
         let wanted = match run.level {
             Level::Line => 0.0,
             Level::Lowered => LOWERED_EM,
@@ -388,20 +358,13 @@ mod tests {
     fn a_lowered_run_moves_down_and_the_next_moves_back() {
         let mut out = String::new();
         write_runs(&mut out, "a_{b}c", Face::Regular, 1000.0);
-        assert_eq!(
-            out,
-            "a<tspan font-size=\"7\" dy=\"1.8\">b</tspan><tspan dy=\"-1.8\">c</tspan>"
-        );
+        assert_eq!(out, "a<tspan font-size=\"7\" dy=\"1.8\">b</tspan><tspan dy=\"-1.8\">c</tspan>");
     }
 
     #[test]
     fn what_is_only_outlined_is_not_filled_and_what_was_filled_is_outlined_in_place() {
         let mut out = String::new();
-        let mut page = Page {
-            out: &mut out,
-            units: (1000, 1000),
-            polygon: None,
-        };
+        let mut page = Page { out: &mut out, units: (1000, 1000), polygon: None };
         let corners = [(0, 0), (900, 0), (900, 900)];
         let closed = [corners[0], corners[1], corners[2], corners[0]];
         let (ink, white) = (plotters::style::BLACK, plotters::style::WHITE);
@@ -414,26 +377,14 @@ mod tests {
         let elements: Vec<&str> = out.lines().collect();
         assert_eq!(elements.len(), 5, "{out}");
         for outline in [0, 1, 2, 4] {
-            assert!(
-                elements[outline].contains(" fill=\"none\" stroke=\"#000000\""),
-                "{out}"
-            );
+            assert!(elements[outline].contains(" fill=\"none\" stroke=\"#000000\""), "{out}");
         }
-        assert!(
-            elements[3].contains(" fill=\"#ffffff\" stroke=\"#000000\""),
-            "{out}"
-        );
+        assert!(elements[3].contains(" fill=\"#ffffff\" stroke=\"#000000\""), "{out}");
     }
 
     #[test]
     fn nothing_is_smaller_than_six_and_a_half_points() {
-        for line in [
-            size::SMALL,
-            size::TICK,
-            size::SUBTITLE,
-            size::AXIS,
-            size::TITLE,
-        ] {
+        for line in [size::SMALL, size::TICK, size::SUBTITLE, size::AXIS, size::TITLE] {
             assert!(script_size(line) >= 6.5 && script_size(line) <= line);
         }
         let mut out = String::new();

@@ -59,8 +59,7 @@ impl<'p, 'c> Panel<'p, 'c> {
     pub(crate) fn stripe(&mut self, [low, high]: [f64; 2], colour: RGBColor, alpha: f64) {
         let Place { top, bottom, .. } = self.frame.place;
         let (left, right) = (self.frame.x.at(low), self.frame.x.at(high));
-        self.canvas
-            .fill_rect((left, top), (right, bottom), colour, alpha);
+        self.canvas.fill_rect((left, top), (right, bottom), colour, alpha);
     }
 
     /// Draws a marker at values of the axes.
@@ -132,12 +131,7 @@ mod tests {
 
     fn drawn(paint: impl FnOnce(&mut Panel<'_, '_>)) -> String {
         let sketch = sketch(&Head::square(50.0), |canvas| {
-            let place = Place {
-                left: 10.0,
-                top: 30.0,
-                right: 110.0,
-                bottom: 80.0,
-            };
+            let place = Place { left: 10.0, top: 30.0, right: 110.0, bottom: 80.0 };
             let (x, y) = (Scale::between(0.0, 1.0, 2), Scale::between(0.0, 10.0, 5));
             let frame = Frame::laid(x, y, place);
             paint(&mut Panel { canvas, frame });
@@ -167,14 +161,8 @@ mod tests {
                 assert!(svg.contains(piece), "{piece}: {svg}");
             }
         };
-        holds(
-            &|p| p.line([(0.0, 0.0), (1.0, 10.0)], pen),
-            &["\"10,80 110,30\""],
-        );
-        holds(
-            &|p| p.line([(0.5, 5.0)], pen),
-            &["cx=\"60\" cy=\"55\" r=\"0.8\""],
-        );
+        holds(&|p| p.line([(0.0, 0.0), (1.0, 10.0)], pen), &["\"10,80 110,30\""]);
+        holds(&|p| p.line([(0.5, 5.0)], pen), &["cx=\"60\" cy=\"55\" r=\"0.8\""]);
         holds(&|p| p.upright(0.25, pen), &["\"35,30 35,80\""]);
         holds(&|p| p.level(5.0, pen), &["\"10,55 110,55\""]);
         holds(
@@ -196,11 +184,7 @@ mod tests {
         );
         holds(
             &|p| p.curve(&[[0.0, 1.0, 0.0, 2.0], [1.0, 3.0, 2.0, 4.0]], mark),
-            &[
-                "\"10,75 110,65\"",
-                "\"10,80 10,70\"",
-                "cx=\"110\" cy=\"65\"",
-            ],
+            &["\"10,75 110,65\"", "\"10,80 10,70\"", "cx=\"110\" cy=\"65\""],
         );
     }
 }

@@ -7,17 +7,12 @@ use crate::error::ReportError;
 
 /// Renders an SVG as a PDF of one page, of the figure's size.
 pub(crate) fn render(figure: &str, svg: &str) -> Result<Vec<u8>, ReportError> {
-    let failed = |reason: String| ReportError::Pdf {
-        figure: figure.to_owned(),
-        reason,
-    };
+    let failed = |reason: String| ReportError::Pdf { figure: figure.to_owned(), reason };
     let tree = parsed(svg).map_err(|error| failed(error.to_string()))?;
     // Our sizes are in millimetres, which the parser turns into pixels of 1/96 inch; a PDF counts 72 points an inch.
     let page = svg2pdf::PageOptions { dpi: 96.0 };
-    let conversion = svg2pdf::ConversionOptions {
-        embed_text: false,
-        ..svg2pdf::ConversionOptions::default()
-    };
+    let conversion =
+        svg2pdf::ConversionOptions { embed_text: false, ..svg2pdf::ConversionOptions::default() };
     let mut pdf =
         svg2pdf::to_pdf(&tree, conversion, page).map_err(|error| failed(error.to_string()))?;
     in_order(&mut pdf);
@@ -33,10 +28,8 @@ fn in_order(pdf: &mut [u8]) {
         start += offset + BEGIN.len();
         let end = pdf[start..].windows(6).position(|w| w == b"endobj");
         let object = &mut pdf[start..start + end.unwrap_or(0)];
-        let lines: Vec<Vec<u8>> = object
-            .split_inclusive(|b| *b == b'\n')
-            .map(<[u8]>::to_vec)
-            .collect();
+        let lines: Vec<Vec<u8>> =
+            object.split_inclusive(|b| *b == b'\n').map(<[u8]>::to_vec).collect();
         let mut sorted = Vec::with_capacity(object.len());
         for run in lines.chunk_by(|a, b| is_reference(a) && is_reference(b)) {
             let mut run = run.to_vec();

@@ -74,10 +74,7 @@ pub fn perpendicular(
     check.at_least(1, "panels", input.panels.len())?;
     for panel in &input.panels {
         check.at_least(1, "participants", panel.points.len())?;
-        check.finite(
-            "angle_rad",
-            panel.points.iter().map(|point| point.angle_rad),
-        )?;
+        check.finite("angle_rad", panel.points.iter().map(|point| point.angle_rad))?;
         check.finite("change", panel.points.iter().map(|point| point.change))?;
     }
     let count = input.panels.len();
@@ -90,11 +87,7 @@ pub fn perpendicular(
         .collect();
     let panels = input.panels.iter();
     let is_any_repeated = input.panels.iter().any(|p| p.repeated().next().is_some());
-    let repeated = if is_any_repeated {
-        "The first 30° are repeated in grey. "
-    } else {
-        ""
-    };
+    let repeated = if is_any_repeated { "The first 30° are repeated in grey. " } else { "" };
     let plan = Plan {
         name: NAME.to_owned(),
         size_mm: (if count == 1 { 85.0 } else { TWO_COLUMNS_MM }, 66.0),
@@ -160,22 +153,10 @@ mod tests {
 
     fn input(angle_rad: f64) -> PerpendicularChanges {
         let points = vec![
-            AngleChange {
-                angle_rad,
-                change: 2.0,
-            },
-            AngleChange {
-                angle_rad: 2.0,
-                change: -1.0,
-            },
-            AngleChange {
-                angle_rad: 4.0,
-                change: 0.5,
-            },
-            AngleChange {
-                angle_rad: 5.0,
-                change: 1.5,
-            },
+            AngleChange { angle_rad, change: 2.0 },
+            AngleChange { angle_rad: 2.0, change: -1.0 },
+            AngleChange { angle_rad: 4.0, change: 0.5 },
+            AngleChange { angle_rad: 5.0, change: 1.5 },
         ];
         PerpendicularChanges {
             panels: vec![PerpendicularPanel {
@@ -199,11 +180,7 @@ mod tests {
 
     #[test]
     fn the_caption_speaks_of_repeated_points_where_there_are_some() {
-        let caption = |angle: f64| {
-            perpendicular(&input(angle), &Context::real())
-                .unwrap()
-                .caption
-        };
+        let caption = |angle: f64| perpendicular(&input(angle), &Context::real()).unwrap().caption;
         assert!(caption(0.25).contains("repeated in grey"));
         assert!(!caption(1.0).contains("repeated in grey"));
     }

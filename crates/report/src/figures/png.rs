@@ -17,10 +17,7 @@ pub(crate) fn render(
     description: &str,
     dots_per_inch: f64,
 ) -> Result<Vec<u8>, ReportError> {
-    let failed = |reason: String| ReportError::Png {
-        figure: figure.to_owned(),
-        reason,
-    };
+    let failed = |reason: String| ReportError::Png { figure: figure.to_owned(), reason };
     let tree = parsed(svg).map_err(|error| failed(error.to_string()))?;
     let scale = dots_per_inch as f32 / CSS_PIXELS_PER_INCH;
     let size = tree.size();
@@ -30,10 +27,8 @@ pub(crate) fn render(
             "{dots_per_inch} dots per inch make a side of {longest} pixels, expected 1 to {MOST_PIXELS}"
         )));
     }
-    let (width, height) = (
-        (size.width() * scale).round() as u32,
-        (size.height() * scale).round() as u32,
-    );
+    let (width, height) =
+        ((size.width() * scale).round() as u32, (size.height() * scale).round() as u32);
     let mut pixels = tiny_skia::Pixmap::new(width, height)
         .ok_or_else(|| failed(format!("{width} × {height} is no size for a picture")))?;
     // The last row and column are fractions of a pixel: they would turn grey without this.
@@ -67,12 +62,8 @@ pub(crate) fn render(
     encoder
         .add_itxt_chunk("Description".to_owned(), description.to_owned())
         .map_err(|error| failed(error.to_string()))?;
-    let mut writer = encoder
-        .write_header()
-        .map_err(|error| failed(error.to_string()))?;
-    writer
-        .write_image_data(&rgb)
-        .map_err(|error| failed(error.to_string()))?;
+    let mut writer = encoder.write_header().map_err(|error| failed(error.to_string()))?;
+    writer.write_image_data(&rgb).map_err(|error| failed(error.to_string()))?;
     writer.finish().map_err(|error| failed(error.to_string()))?;
     Ok(out)
 }
@@ -87,15 +78,10 @@ mod tests {
         let of = |dots| render("x", svg, "a box", dots).unwrap();
         let (coarse, fine) = (of(96.0), of(600.0));
         let read = |bytes: &[u8]| {
-            let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
-                .read_info()
-                .unwrap();
+            let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
             let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
             let info = reader.next_frame(&mut pixels).unwrap();
-            let blue = pixels
-                .chunks_exact(3)
-                .filter(|p| *p == [0x33, 0x66, 0x99])
-                .count();
+            let blue = pixels.chunks_exact(3).filter(|p| *p == [0x33, 0x66, 0x99]).count();
             let share = blue as f64 / f64::from(info.width * info.height);
             (info.width, info.height, share)
         };

@@ -105,11 +105,7 @@ impl ScalePreference {
         let share = |&above: &usize| {
             let ends = proportion(above, self.n, 0.95);
             let (low, high) = ends.map_or((0.0, 1.0), |share| (share.low, share.high));
-            [
-                100.0 * above as f64 / self.n as f64,
-                100.0 * low,
-                100.0 * high,
-            ]
+            [100.0 * above as f64 / self.n as f64, 100.0 * low, 100.0 * high]
         };
         self.above.iter().map(share).collect()
     }

@@ -95,9 +95,9 @@ fn told_of(panel: &CoursePanel) -> String {
             number(near[0], 0)
         )
     });
-    let others = panel.others.map_or_else(String::new, |others| {
-        format!(", {} at other moments", number(others, 2))
-    });
+    let others = panel
+        .others
+        .map_or_else(String::new, |others| format!(", {} at other moments", number(others, 2)));
     format!("{}:{course}{others}.", panel.title)
 }
 
@@ -128,11 +128,7 @@ mod tests {
     #[test]
     fn the_course_ends_at_the_press_and_other_moments_are_a_line() {
         let figure = press_course(&input(), &Context::real()).unwrap();
-        assert!(
-            figure.svg.contains(">Time to the press (s)<"),
-            "{}",
-            figure.svg
-        );
+        assert!(figure.svg.contains(">Time to the press (s)<"), "{}", figure.svg);
         assert!(figure.caption.contains("40 presses") && figure.caption.contains("*n* = 12"));
         assert_eq!(
             figure.alt,

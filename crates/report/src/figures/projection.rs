@@ -32,10 +32,7 @@ impl View {
     /// Fits the box of all points into a place, turned so that `shown` is seen well.
     pub(crate) fn fit(points: &[[f64; 3]], shown: [f64; 3], place: Place) -> Self {
         let ends = [0, 1, 2].map(|axis: usize| extent(points.iter().map(|w| w[axis])));
-        let widest = ends
-            .iter()
-            .map(|(low, high)| high - low)
-            .fold(0.0, f64::max);
+        let widest = ends.iter().map(|(low, high)| high - low).fold(0.0, f64::max);
         let scales = [0, 1, 2].map(|axis: usize| {
             let (low, high) = ends[axis];
             let (middle, half) = (f64::midpoint(low, high), 0.5 * LEAST_SHARE * widest);
@@ -74,10 +71,8 @@ impl View {
         let corners: Vec<(f64, f64)> = (0..8).map(|k| view.project(view.corner(k)).0).collect();
         let x = extent(corners.iter().map(|corner| corner.0));
         let y = extent(corners.iter().map(|corner| corner.1));
-        let (wide, tall) = (
-            place.right - place.left - 2.0 * RIM,
-            place.bottom - place.top - 1.5 * RIM,
-        );
+        let (wide, tall) =
+            (place.right - place.left - 2.0 * RIM, place.bottom - place.top - 1.5 * RIM);
         view.points_per_unit = (wide / (x.1 - x.0)).min(tall / (y.1 - y.0));
         let scale = view.points_per_unit;
         view.origin = (
@@ -88,13 +83,11 @@ impl View {
     }
 
     fn corner(&self, index: usize) -> [f64; 3] {
-        [0, 1, 2].map(|axis: usize| {
-            if index >> axis & 1 == 0 {
-                self.low[axis]
-            } else {
-                self.high[axis]
-            }
-        })
+        [0, 1, 2].map(
+            |axis: usize| {
+                if index >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] }
+            },
+        )
     }
 
     /// Place on the page in points, and depth: greater is nearer.
@@ -108,10 +101,7 @@ impl View {
 
     /// Longest diagonal of the box: nothing is nearer than another thing by more.
     pub(crate) fn size(&self) -> f64 {
-        (0..3)
-            .map(|axis: usize| (self.high[axis] - self.low[axis]).powi(2))
-            .sum::<f64>()
-            .sqrt()
+        (0..3).map(|axis: usize| (self.high[axis] - self.low[axis]).powi(2)).sum::<f64>().sqrt()
     }
 
     /// From where to where a line through `centre` runs inside the box, in units of `unit`.
@@ -175,11 +165,7 @@ impl View {
     /// The nearer and the farther end of an axis.
     fn ends(&self, axis: usize) -> (f64, f64) {
         let (low, high) = (self.low[axis], self.high[axis]);
-        if self.towards[axis] > 0.0 {
-            (high, low)
-        } else {
-            (low, high)
-        }
+        if self.towards[axis] > 0.0 { (high, low) } else { (low, high) }
     }
 
     /// A point of the edge that carries an axis's numbers: a near one on the floor, the leftmost upright one.
@@ -206,20 +192,13 @@ fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
         view.project(w).0
     };
     let (middle, centre) = (view.project(view.centre).0, point(view.centre[axis]));
-    let (dx, dy) = if upright {
-        (-1.0, 0.0)
-    } else {
-        (centre.0 - middle.0, (centre.1 - middle.1).max(1.0))
-    };
+    let (dx, dy) =
+        if upright { (-1.0, 0.0) } else { (centre.0 - middle.0, (centre.1 - middle.1).max(1.0)) };
     let length = libm::hypot(dx, dy);
     let beside = |(x, y): (f64, f64), gap: f64| (x + gap * dx / length, y + gap * dy / length);
     canvas.line(point(view.low[axis]), point(view.high[axis]), edge());
     let look = Look::new(size::TICK).centred();
-    let (look, gap) = if upright {
-        (look.end(), 4.0)
-    } else {
-        (look.middle(), 8.0)
-    };
+    let (look, gap) = if upright { (look.end(), 4.0) } else { (look.middle(), 8.0) };
     // A short axis, or one seen from its end, has room for some of its numbers only.
     let mut last: Option<((f64, f64), f64)> = None;
     let Scale { ticks, labels, .. } = &view.scales[axis];
@@ -228,11 +207,7 @@ fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
         canvas.line((x, y), beside((x, y), 2.0), edge());
         let width = look.width(label);
         let meets = last.is_some_and(|((from, height), of)| {
-            let across = if upright {
-                0.0
-            } else {
-                f64::midpoint(of, width)
-            };
+            let across = if upright { 0.0 } else { f64::midpoint(of, width) };
             (x - from).abs() <= across + 2.0 && (y - height).abs() < 1.4 * size::TICK
         });
         if !meets {
@@ -247,12 +222,7 @@ fn paint_axis(canvas: &mut Canvas<'_>, view: &View, axis: usize, title: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    const PLACE: Place = Place {
-        left: 40.0,
-        top: 20.0,
-        right: 340.0,
-        bottom: 260.0,
-    };
+    const PLACE: Place = Place { left: 40.0, top: 20.0, right: 340.0, bottom: 260.0 };
 
     fn view() -> View {
         let points = [[0.0, -1.0, 10.0], [4.0, 3.0, 12.0], [2.0, 0.0, 14.0]];
@@ -260,10 +230,7 @@ mod tests {
     }
 
     fn near(found: f64, expected: f64) {
-        assert!(
-            (found - expected).abs() < 1e-9,
-            "{found} instead of {expected}"
-        );
+        assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
     }
 
     #[test]
@@ -288,10 +255,7 @@ mod tests {
             }
         }
         // What is higher lies higher on the page, and nearer for who looks from above.
-        let (low, high) = (
-            view.project([1.0, 1.0, 10.0]),
-            view.project([1.0, 1.0, 11.0]),
-        );
+        let (low, high) = (view.project([1.0, 1.0, 10.0]), view.project([1.0, 1.0, 11.0]));
         assert!(high.0.1 < low.0.1 && high.1 > low.1);
         near(high.0.0, low.0.0);
     }
@@ -302,10 +266,7 @@ mod tests {
         let corners: Vec<(f64, f64)> = (0..8).map(|k| view.project(view.corner(k)).0).collect();
         let span = |pick: fn(&(f64, f64)) -> f64| {
             let low = corners.iter().map(pick).fold(f64::INFINITY, f64::min);
-            (
-                low,
-                corners.iter().map(pick).fold(f64::NEG_INFINITY, f64::max),
-            )
+            (low, corners.iter().map(pick).fold(f64::NEG_INFINITY, f64::max))
         };
         let (x, y) = (span(|c| c.0), span(|c| c.1));
         let wide = (x.1 - x.0) / (300.0 - 2.0 * RIM);

@@ -23,10 +23,7 @@ impl Cloud {
         values.sort_by(f64::total_cmp);
         let everything = (f64::NEG_INFINITY, f64::INFINITY);
         let curve = density(&values, STEPS, range.unwrap_or(everything));
-        (!values.is_empty()).then_some(Self {
-            sorted: values,
-            curve,
-        })
+        (!values.is_empty()).then_some(Self { sorted: values, curve })
     }
 
     /// Lowest and highest value that the drawing reaches.
@@ -48,9 +45,7 @@ pub(crate) fn paint(
 ) {
     let edge = middle + VIOLIN * slot;
     let (least, most) = frame.y.ends();
-    let inside = curve
-        .iter()
-        .filter(|(value, _)| (least..=most).contains(value));
+    let inside = curve.iter().filter(|(value, _)| (least..=most).contains(value));
     let outline =
         inside.map(|(value, height)| (edge + height * VIOLIN_WIDTH * slot, frame.y.at(*value)));
     let mut corners: Vec<(f64, f64)> = outline.collect();
@@ -62,16 +57,9 @@ pub(crate) fn paint(
     }
     let [low, median, high] = [0.25, 0.5, 0.75].map(|share| quantile(sorted, share).unwrap_or(0.0));
     let fence = 1.5 * (high - low);
-    let inside = || {
-        sorted
-            .iter()
-            .copied()
-            .filter(|v| (low - fence..=high + fence).contains(v))
-    };
-    let whiskers = [
-        (inside().next().unwrap_or(low), low),
-        (high, inside().next_back().unwrap_or(high)),
-    ];
+    let inside = || sorted.iter().copied().filter(|v| (low - fence..=high + fence).contains(v));
+    let whiskers =
+        [(inside().next().unwrap_or(low), low), (high, inside().next_back().unwrap_or(high))];
     let (centre, half) = (middle + BOX * slot, 0.07 * slot);
     let point = |side: f64, value: f64| (centre + side * half, frame.y.at(value));
     let pen = Pen::new(ink, stroke::BOX);

@@ -49,11 +49,7 @@ pub(crate) fn further_mm<'a>(
     let drawn_mm = style::drawn_width(width_mm);
     let width = grid.panel_width(drawn_mm);
     let further = heads.map(|[title, subtitle]| {
-        let labels = Labels {
-            title,
-            subtitle,
-            ..Labels::default()
-        };
+        let labels = Labels { title, subtitle, ..Labels::default() };
         labels.further_lines(width, grid.has_letters())
     });
     further.fold(0.0, f64::max) / 72.0 * 25.4 * width_mm / drawn_mm
@@ -75,12 +71,8 @@ pub(crate) fn paint(canvas: &mut Canvas<'_>, place: Place, input: &Panel<'_>) {
     let room = levels.map_or(0.0, |levels| levels as f64 * STEP + 3.0);
     let names: Vec<String> = input.slots.iter().map(|slot| slot.name.clone()).collect();
     let below = self::names(&names, place.right - place.left).height();
-    let labels = Labels {
-        title: input.title,
-        subtitle: input.subtitle,
-        y: input.axis,
-        ..Labels::default()
-    };
+    let labels =
+        Labels { title: input.title, subtitle: input.subtitle, y: input.axis, ..Labels::default() };
     let further = labels.further_lines(place.right - place.left, canvas.letter.is_some());
     let around = 42.0 - cap_height(size::TICK) + below + further;
     let plot = (place.bottom - place.top - around).max(40.0);
@@ -133,17 +125,10 @@ fn paint_people(canvas: &mut Canvas<'_>, frame: &Frame, panel: &Panel<'_>, slot:
     // Jitter by the person's place in the list: the same on every run, no generator.
     let jitter = |index: usize| {
         let turn = (index as f64 * 0.618_034).fract();
-        if n < 2 {
-            0.0
-        } else {
-            (turn - 0.5) * 2.0 * JITTER * slot
-        }
+        if n < 2 { 0.0 } else { (turn - 0.5) * 2.0 * JITTER * slot }
     };
     let place_of = |index: usize, column: usize, value: f64| {
-        (
-            frame.x.at(column as f64) + POINTS * slot + jitter(index),
-            frame.y.at(value),
-        )
+        (frame.x.at(column as f64) + POINTS * slot + jitter(index), frame.y.at(value))
     };
     let pen = Pen::new(GREY, stroke::THIN).alpha(0.35);
     for (index, row) in panel.rows.iter().enumerate() {
@@ -189,26 +174,16 @@ impl Bracket<'_> {
 
 /// Shortest first, each on the lowest level where it meets no other.
 fn brackets(contrasts: &[(usize, usize, String)]) -> Vec<Bracket<'_>> {
-    let mut spans: Vec<(usize, usize, &str)> = contrasts
-        .iter()
-        .map(|(a, b, text)| (*a.min(b), *a.max(b), text.as_str()))
-        .collect();
+    let mut spans: Vec<(usize, usize, &str)> =
+        contrasts.iter().map(|(a, b, text)| (*a.min(b), *a.max(b), text.as_str())).collect();
     spans.sort_by_key(|(from, to, _)| (to - from, *from));
     let mut out: Vec<Bracket<'_>> = Vec::new();
     for (from, to, text) in spans {
         let mut level = 0;
-        while out
-            .iter()
-            .any(|b| b.level == level && b.from < to && from < b.to)
-        {
+        while out.iter().any(|b| b.level == level && b.from < to && from < b.to) {
             level += 1;
         }
-        out.push(Bracket {
-            from,
-            to,
-            level,
-            text,
-        });
+        out.push(Bracket { from, to, level, text });
     }
     out
 }

@@ -58,9 +58,7 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
     let columns = input.panels.len().max(2);
     let grid = Grid::new(input.panels.len(), columns, (14.0, 0.0));
     draw_panels(plan(input), context, grid, &[], |canvas, index, place| {
-        let ResidualPanel {
-            quantiles, mean, ..
-        } = &input.panels[index];
+        let ResidualPanel { quantiles, mean, .. } = &input.panels[index];
         let labels = Labels {
             title: &input.panels[index].title,
             subtitle: &input.panels[index].spread(),
@@ -68,10 +66,7 @@ pub fn residuals(input: &Residuals, context: &Context) -> Result<Figure, ReportE
             ..Labels::default()
         };
         let values = quantiles.iter().map(|q| q.1).chain([0.0, *mean]);
-        let scales = (
-            Scale::over(values, 6),
-            Scale::labelled(-1.0, 1.0, Vec::new()),
-        );
+        let scales = (Scale::over(values, 6), Scale::labelled(-1.0, 1.0, Vec::new()));
         let mut panel = Panel::open(canvas, place, &labels, scales);
         let pairs = quantiles.len() / 2;
         for outer in 0..pairs {
@@ -100,11 +95,7 @@ fn plan(input: &Residuals) -> Plan {
     let shares = input.panels[0].quantiles.iter();
     let shares = shares.map(|(share, _)| number(100.0 * share, 0));
     let panels = input.panels.iter();
-    let whose = if input.held_out {
-        "not learned from"
-    } else {
-        "learned from"
-    };
+    let whose = if input.held_out { "not learned from" } else { "learned from" };
     Plan {
         name: NAME.to_owned(),
         size_mm: (TWO_COLUMNS_MM, 40.0),
@@ -136,11 +127,7 @@ mod tests {
             rms: 0.7,
             rows: 10,
         };
-        let input = Residuals {
-            panels: vec![panel],
-            drives: 1,
-            held_out: true,
-        };
+        let input = Residuals { panels: vec![panel], drives: 1, held_out: true };
         let refused = residuals(&input, &Context::real());
         assert!(matches!(refused, Err(ReportError::OutOfRange { .. })));
     }

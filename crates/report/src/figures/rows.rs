@@ -13,10 +13,7 @@ impl Rows {
     /// Rows by their names, which are plain text, with room above the first and below the last as a share of a row.
     pub(crate) fn new<N: AsRef<str>>(names: impl IntoIterator<Item = N>, rim: f64) -> Self {
         let names = names.into_iter().map(|name| markup::literal(name.as_ref()));
-        Self {
-            names: names.collect(),
-            rim,
-        }
+        Self { names: names.collect(), rim }
     }
 
     /// The value of y of a row.

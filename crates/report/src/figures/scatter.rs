@@ -32,10 +32,7 @@ pub fn scatter(input: &Scatter, context: &Context) -> Result<Figure, ReportError
     let check = Check(NAME);
     check.at_least(1, "points", input.points.len())?;
     let ends = input.people.iter().flatten();
-    check.finite(
-        "points",
-        input.points.iter().chain(ends).flat_map(|&(x, y)| [x, y]),
-    )?;
+    check.finite("points", input.points.iter().chain(ends).flat_map(|&(x, y)| [x, y]))?;
     let n = input.points.len();
     let test = markup::plain(&input.test);
     let lines = if input.people.is_empty() {
@@ -47,26 +44,14 @@ pub fn scatter(input: &Scatter, context: &Context) -> Result<Figure, ReportError
         name: NAME.to_owned(),
         size_mm: (ONE_COLUMN_MM, 75.0),
         title: format!("{} and {}", input.y, input.x),
-        caption: format!(
-            "Each point is a pair of values, *n* = {n}. {lines}{}",
-            crowd::words(n)
-        ),
+        caption: format!("Each point is a pair of values, *n* = {n}. {lines}{}", crowd::words(n)),
         alt: format!("{} against {}: {test}.", input.y, input.x),
         shows: Shows::Participants,
     };
     draw(plan, context, |canvas, place| {
         let (x, y) = (markup::literal(&input.x), markup::literal(&input.y));
-        let labels = Labels {
-            subtitle: &input.test,
-            x: &x,
-            y: &y,
-            ..Labels::default()
-        };
-        let cloud = Cloud {
-            points: &input.points,
-            ticks: 5,
-            radius: 1.5,
-        };
+        let labels = Labels { subtitle: &input.test, x: &x, y: &y, ..Labels::default() };
+        let cloud = Cloud { points: &input.points, ticks: 5, radius: 1.5 };
         cloud.paint(canvas, place, &labels, &input.people);
     })
 }

@@ -49,14 +49,7 @@ pub struct VehicleView {
 
 impl VehicleView {
     fn numbers(&self) -> [f64; 6] {
-        [
-            self.x_m,
-            self.y_m,
-            self.heading_rad,
-            self.speed_mps,
-            self.length_m,
-            self.width_m,
-        ]
+        [self.x_m, self.y_m, self.heading_rad, self.speed_mps, self.length_m, self.width_m]
     }
 }
 
@@ -82,29 +75,17 @@ pub fn simulator_view(input: &SimulatorView, context: &Context) -> Result<Figure
     let width = input.lane_width_m;
     check.that(width > 0.0, "lane_width_m", width, "a width above 0 m")?;
     check.finite("ego", input.ego.numbers())?;
-    check.finite(
-        "a vehicle",
-        input.others.iter().flat_map(VehicleView::numbers),
-    )?;
+    check.finite("a vehicle", input.others.iter().flat_map(VehicleView::numbers))?;
     let paths = input.trail_m.iter().chain(&input.plan_m);
     check.finite("a path", paths.flat_map(|place| [place.0, place.1]))?;
     let condition = context.look(input.condition);
     draw(plan(input, context), context, |canvas, place| {
         let view = View::new(input, context, place);
         view.road(canvas);
-        view.path(
-            canvas,
-            &input.trail_m,
-            Pen::new(GREY, stroke::STRONG).dashed(2.0, 2.0),
-        );
+        view.path(canvas, &input.trail_m, Pen::new(GREY, stroke::STRONG).dashed(2.0, 2.0));
         let plan_pen = Pen::new(condition.rgb(), stroke::STRONG).dashed(4.0, 2.0);
         view.path(canvas, &input.plan_m, plan_pen);
-        for (index, vehicle) in input
-            .others
-            .iter()
-            .enumerate()
-            .filter(|(_, v)| input.sees(v))
-        {
+        for (index, vehicle) in input.others.iter().enumerate().filter(|(_, v)| input.sees(v)) {
             let is_reference = input.reference == Some(index);
             view.other(canvas, vehicle, if is_reference { GREY } else { PAPER });
         }
@@ -260,11 +241,7 @@ impl<'a> View<'a> {
         // The plan leaves the ego's front, so its own label stands beside it: to the left, or to the right in the
         // leftmost lane.
         let leftmost_m = (self.input.lanes as f64 - 1.25) * self.input.lane_width_m;
-        let aside = if self.input.ego.y_m > leftmost_m {
-            1.0
-        } else {
-            -1.0
-        };
+        let aside = if self.input.ego.y_m > leftmost_m { 1.0 } else { -1.0 };
         let speed = self.context.speed(self.input.ego.speed_mps, 0);
         let label = format!("{speed} {}", self.context.speed.name());
         let half = Look::new(size::TICK).width(&label) / 2.0;
@@ -275,10 +252,7 @@ impl<'a> View<'a> {
     /// The distance to the reference vehicle, below the road.
     fn gap(&self, canvas: &mut Canvas<'_>) {
         let SimulatorView { ego, .. } = self.input;
-        let lead = self
-            .input
-            .lead()
-            .filter(|(lead, gap)| self.input.sees(lead) && *gap > 0.0);
+        let lead = self.input.lead().filter(|(lead, gap)| self.input.sees(lead) && *gap > 0.0);
         let Some((lead, gap)) = lead else {
             return;
         };

@@ -89,9 +89,8 @@ const NAMED: [(&str, RGBColor); 10] = [
 ];
 
 /// Units of figures.
-const UNITS: [&str; 14] = [
-    "km/h", "mph", "m/s", "m/s²", "m/s³", "ft/s", "m", "s", "min", "h", "ft", "km", "mi", "%",
-];
+const UNITS: [&str; 14] =
+    ["km/h", "mph", "m/s", "m/s²", "m/s³", "ft/s", "m", "s", "min", "h", "ft", "km", "mi", "%"];
 
 /// The units that a label names, in their order: words of their own, with or without brackets. Of `Ride(s)` the bracket is part of the word.
 fn units_in(label: &str) -> Vec<&'static str> {
@@ -130,9 +129,7 @@ pub(super) fn drawn_width(mm: f64) -> f64 {
 
 /// `#rrggbb` as channels.
 pub(super) fn colour(text: &str) -> Option<[u8; 3]> {
-    let digits = text
-        .strip_prefix('#')
-        .filter(|d| d.len() == 6 && d.is_ascii())?;
+    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii())?;
     let channel = |at: usize| u8::from_str_radix(digits.get(at..at + 2)?, 16).ok();
     Some([channel(0)?, channel(2)?, channel(4)?])
 }
@@ -153,25 +150,14 @@ impl Style {
         let mut style: Self = toml::from_str(text).map_err(|e| failed(e.to_string()))?;
         let usable = |key: &str, value: f64, low: f64, high: f64| {
             let wrong = || failed(format!("`{key}` is {value}, expected {low} to {high}"));
-            (low..=high)
-                .contains(&value)
-                .then_some(())
-                .ok_or_else(wrong)
+            (low..=high).contains(&value).then_some(()).ok_or_else(wrong)
         };
         usable("size.text", style.size.text, 0.5, 3.0)?;
         usable("size.one_column_mm", style.size.one_column_mm, 40.0, 300.0)?;
-        usable(
-            "size.two_columns_mm",
-            style.size.two_columns_mm,
-            40.0,
-            600.0,
-        )?;
+        usable("size.two_columns_mm", style.size.two_columns_mm, 40.0, 600.0)?;
         for (name, to) in &style.palette {
             let names: Vec<&str> = NAMED.iter().map(|(name, _)| *name).collect();
-            let known = NAMED
-                .iter()
-                .find(|(known, _)| known == name)
-                .map(|(_, c)| hex(*c));
+            let known = NAMED.iter().find(|(known, _)| known == name).map(|(_, c)| hex(*c));
             let from = known.or_else(|| colour(name).map(|_| name.to_lowercase()));
             let from = from.ok_or_else(|| {
                 failed(format!(
@@ -180,9 +166,7 @@ impl Style {
                 ))
             })?;
             let to = colour(to).map(|_| to.to_lowercase()).ok_or_else(|| {
-                failed(format!(
-                    "`palette.{name}` is `{to}`, expected a colour as `#rrggbb`"
-                ))
+                failed(format!("`palette.{name}` is `{to}`, expected a colour as `#rrggbb`"))
             })?;
             style.colours.insert(from, to);
         }
@@ -304,23 +288,11 @@ mod tests {
             ("[palette]\npink = \"#ffffff\"\n", "palette.pink"),
             ("[palette]\nink = \"black\"\n", "palette.ink"),
             ("[size]\ntext = 9\n", "size.text"),
-            (
-                "[conditions.calm]\ncolor = \"red\"\n",
-                "conditions.calm.color",
-            ),
+            ("[conditions.calm]\ncolor = \"red\"\n", "conditions.calm.color"),
             ("[colors]\n", "colors"),
-            (
-                "[labels]\n\"Mean velocity (km/h)\" = \"Speed (mph)\"\n",
-                "names mph, expected km/h",
-            ),
-            (
-                "[labels]\n\"Gap (m)\" = \"Distance\"\n",
-                "names no unit, expected m",
-            ),
-            (
-                "[labels]\n\"Mean velocity\" = \"Speed in m/s\"\n",
-                "names m/s, expected no unit",
-            ),
+            ("[labels]\n\"Mean velocity (km/h)\" = \"Speed (mph)\"\n", "names mph, expected km/h"),
+            ("[labels]\n\"Gap (m)\" = \"Distance\"\n", "names no unit, expected m"),
+            ("[labels]\n\"Mean velocity\" = \"Speed in m/s\"\n", "names m/s, expected no unit"),
         ] {
             let message = Style::from_toml(text).unwrap_err().to_string();
             assert!(message.contains(named), "{message}");

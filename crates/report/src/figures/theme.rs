@@ -84,19 +84,13 @@ impl Marker {
     /// Corners round the middle, as angle in degrees (0 to the right, 90 down) and distance for a radius of 1; none of a circle.
     pub(crate) fn corners(self) -> Vec<(f64, f64)> {
         let even = |first: f64, count: usize, far: f64| -> Vec<(f64, f64)> {
-            (0..count)
-                .map(|k| (first + 360.0 * k as f64 / count as f64, far))
-                .collect()
+            (0..count).map(|k| (first + 360.0 * k as f64 / count as f64, far)).collect()
         };
         // Two corners an arm, one between two arms.
         let arms = |turn: f64| -> Vec<(f64, f64)> {
             let arm = |k: usize| {
                 let middle = turn + 90.0 * k as f64;
-                [
-                    (middle - 18.0, 1.3),
-                    (middle + 18.0, 1.3),
-                    (middle + 45.0, 0.57),
-                ]
+                [(middle - 18.0, 1.3), (middle + 18.0, 1.3), (middle + 45.0, 0.57)]
             };
             (0..4).flat_map(arm).collect()
         };
@@ -112,12 +106,7 @@ impl Marker {
             Self::Plus => arms(0.0),
             Self::Cross => arms(45.0),
             Self::Star => (0..10)
-                .map(|k| {
-                    (
-                        -90.0 + 36.0 * f64::from(k),
-                        if k % 2 == 0 { 1.5 } else { 0.65 },
-                    )
-                })
+                .map(|k| (-90.0 + 36.0 * f64::from(k), if k % 2 == 0 { 1.5 } else { 0.65 }))
                 .collect(),
         }
     }
@@ -222,11 +211,7 @@ pub(crate) fn on_dark(colour: RGBColor) -> String {
 fn luminance(colour: RGBColor) -> f64 {
     let channel = |value: u8| {
         let share = f64::from(value) / 255.0;
-        if share <= 0.040_45 {
-            share / 12.92
-        } else {
-            libm::pow((share + 0.055) / 1.055, 2.4)
-        }
+        if share <= 0.040_45 { share / 12.92 } else { libm::pow((share + 0.055) / 1.055, 2.4) }
     };
     0.2126 * channel(colour.0) + 0.7152 * channel(colour.1) + 0.0722 * channel(colour.2)
 }
@@ -239,12 +224,7 @@ mod tests {
     fn on_the_dark_page_a_colour_is_that_of_the_list_or_stands_out_from_the_ground() {
         assert_eq!(on_dark(INK), "#ffffff");
         assert_eq!(on_dark(BLUE), "#5aa9ff");
-        for (r, g, b) in [
-            (0, 0, 0x40),
-            (0x40, 0, 0),
-            (0x22, 0x22, 0x22),
-            (0xf0, 0xe0, 0x10),
-        ] {
+        for (r, g, b) in [(0, 0, 0x40), (0x40, 0, 0), (0x22, 0x22, 0x22), (0xf0, 0xe0, 0x10)] {
             let dark = on_dark(RGBColor(r, g, b));
             let part = |at: usize| u8::from_str_radix(&dark[at..at + 2], 16).unwrap();
             let found = RGBColor(part(1), part(3), part(5));

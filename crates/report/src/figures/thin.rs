@@ -65,9 +65,7 @@ mod tests {
         let thin = straightened(&wave, 2.0);
         assert!(thin.len() < 150, "{}", thin.len());
         let far = |at: &(i32, i32)| {
-            let before = thin
-                .partition_point(|p| p.0 <= at.0)
-                .clamp(1, thin.len() - 1);
+            let before = thin.partition_point(|p| p.0 <= at.0).clamp(1, thin.len() - 1);
             let (a, b) = (thin[before - 1], thin[before]);
             let share = f64::from(at.0 - a.0) / f64::from(b.0 - a.0);
             (f64::from(a.1) + share * f64::from(b.1 - a.1) - f64::from(at.1)).abs()
@@ -80,9 +78,8 @@ mod tests {
 
     #[test]
     fn thinning_keeps_a_spike() {
-        let points: Vec<(f64, f64)> = (0..9000)
-            .map(|i| (f64::from(i), f64::from(u8::from(i == 4321))))
-            .collect();
+        let points: Vec<(f64, f64)> =
+            (0..9000).map(|i| (f64::from(i), f64::from(u8::from(i == 4321)))).collect();
         let thin = thinned(&points, 1600);
         assert!(thin.len() <= 1600 && thin.iter().any(|p| p.1 > 0.5));
     }

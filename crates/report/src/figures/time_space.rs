@@ -94,12 +94,7 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         pieces(track, seen, flat)
     };
     let leads: Vec<Piece> = input.leads.iter().flat_map(near).collect();
-    let others: Vec<Piece> = input
-        .others
-        .iter()
-        .take(MOST_OTHERS)
-        .flat_map(near)
-        .collect();
+    let others: Vec<Piece> = input.others.iter().take(MOST_OTHERS).flat_map(near).collect();
     let ego_pieces = pieces(&input.ego, |_| true, flat);
     let condition = context.look(input.condition);
     let whose = condition.words();
@@ -110,10 +105,8 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
     let other_pen = Pen::new(GREY, stroke::AXIS).alpha(0.7);
     draw(plan, context, |canvas, whole| {
         let ego_label = format!("ego ({whose})");
-        let mut keys = vec![
-            (Key::Line(ego_pen), ego_label.as_str()),
-            (Key::Line(lead_pen), "lead"),
-        ];
+        let mut keys =
+            vec![(Key::Line(ego_pen), ego_label.as_str()), (Key::Line(lead_pen), "lead")];
         if !others.is_empty() {
             keys.push((Key::Line(other_pen), "other traffic"));
         }
@@ -123,11 +116,8 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
         let place = canvas.legend(whole, &keys);
         let everything = ego_pieces.iter().chain(&leads).chain(&others);
         let places = everything.flat_map(|piece| piece.points.iter().map(|p| p.1));
-        let labels = Labels {
-            x: "Time (s)",
-            y: "Ahead of the steady ride (m)",
-            ..Labels::default()
-        };
+        let labels =
+            Labels { x: "Time (s)", y: "Ahead of the steady ride (m)", ..Labels::default() };
         let scales = (Scale::between(0.0, last - first, 8), Scale::over(places, 5));
         let mut panel = Panel::open(canvas, place, &labels, scales);
         for piece in ego_pieces.iter().filter(|piece| !piece.right_lane) {
@@ -140,11 +130,7 @@ pub fn time_space(input: &TimeSpace, context: &Context) -> Result<Figure, Report
             (&ego_pieces, ego_pen, MOST_POINTS),
         ] {
             for Piece { right_lane, points } in pieces {
-                let pen = if *right_lane {
-                    pen
-                } else {
-                    pen.dashed(4.0, 1.8)
-                };
+                let pen = if *right_lane { pen } else { pen.dashed(4.0, 1.8) };
                 panel.thin_line(points, most, pen);
             }
         }
@@ -166,9 +152,7 @@ impl TimeSpace {
 }
 
 fn plan(input: &TimeSpace, whose: &str, seconds: f64, kept: &str) -> Plan {
-    let counts = input
-        .kinds()
-        .map(|(kind, count)| format!("{count} × {}", kind.look().2));
+    let counts = input.kinds().map(|(kind, count)| format!("{count} × {}", kind.look().2));
     let counts = match counts.collect::<Vec<_>>() {
         none if none.is_empty() => "none".to_owned(),
         counts => counts.join(", "),
@@ -200,11 +184,7 @@ fn plan(input: &TimeSpace, whose: &str, seconds: f64, kept: &str) -> Plan {
 fn check(input: &TimeSpace) -> Result<(f64, f64), ReportError> {
     let check = Check(NAME);
     check.at_least(2, "rows of the ego", input.ego.time_s.len())?;
-    for track in [&input.ego]
-        .into_iter()
-        .chain(&input.leads)
-        .chain(&input.others)
-    {
+    for track in [&input.ego].into_iter().chain(&input.leads).chain(&input.others) {
         let rows = track.time_s.len();
         check.length("x_m", track.x_m.len(), rows)?;
         check.length("lane", track.lane.len(), rows)?;
@@ -216,12 +196,7 @@ fn check(input: &TimeSpace) -> Result<(f64, f64), ReportError> {
     let last = input.ego.time_s[input.ego.time_s.len() - 1];
     for decision in &input.decisions {
         let expected = format!("a time within the drive, {first} to {last} s");
-        check.within(
-            (first, last),
-            "time of a decision",
-            [decision.time_s],
-            &expected,
-        )?;
+        check.within((first, last), "time of a decision", [decision.time_s], &expected)?;
     }
     Ok((first, last))
 }
@@ -248,13 +223,8 @@ fn pieces(
         let right_lane = lane == 0;
         if before != Some(right_lane) {
             // A change of lane leaves no gap: the new piece begins where the old one ends.
-            let joint = before
-                .and(out.last())
-                .and_then(|piece| piece.points.last().copied());
-            out.push(Piece {
-                right_lane,
-                points: joint.into_iter().collect(),
-            });
+            let joint = before.and(out.last()).and_then(|piece| piece.points.last().copied());
+            out.push(Piece { right_lane, points: joint.into_iter().collect() });
         }
         if let Some(piece) = out.last_mut() {
             piece.points.push(flat(point));
@@ -302,10 +272,7 @@ mod tests {
             ego: track(30.0, 0.0, |t| u8::from((20..40).contains(&t))),
             leads: vec![track(25.0, 150.0, |_| 0)],
             others: Vec::new(),
-            decisions: vec![Decision {
-                time_s: 19.5,
-                kind: DecisionKind::LaneChange,
-            }],
+            decisions: vec![Decision { time_s: 19.5, kind: DecisionKind::LaneChange }],
         }
     }
 

@@ -52,11 +52,7 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
              drives and {} epochs; no test.{}",
             input.drives,
             epochs.unwrap_or(0),
-            if validated {
-                " Dashed: the last part of every drive, not learned from."
-            } else {
-                ""
-            }
+            if validated { " Dashed: the last part of every drive, not learned from." } else { "" }
         ),
         alt: sentences(input.terms.iter().map(LossTerm::course)),
         shows: Shows::Participants,
@@ -78,12 +74,7 @@ pub fn training_curves(input: &TrainingCurves, context: &Context) -> Result<Figu
             Scale::over(values(), 4)
         };
         let x = Scale::between(0.0, term.train.len() as f64, 4);
-        let labels = Labels {
-            title: &term.title,
-            x: "Epoch",
-            y: "Loss",
-            ..Labels::default()
-        };
+        let labels = Labels { title: &term.title, x: "Epoch", y: "Loss", ..Labels::default() };
         let mut panel = Panel::open(canvas, place, &labels, (x, y));
         for (curve, pen) in [(&term.validation, dashed), (&term.train, solid)] {
             let epochs = (1..=curve.len()).map(|epoch| epoch as f64);
@@ -117,10 +108,7 @@ mod tests {
             train: vec![1.0, 0.5, 0.25],
             validation: vec![0.9, 0.62, 1.02],
         };
-        let input = TrainingCurves {
-            terms: vec![term],
-            drives: 3,
-        };
+        let input = TrainingCurves { terms: vec![term], drives: 3 };
         let alt = training_curves(&input, &Context::real()).unwrap().alt;
         assert_eq!(
             alt,
@@ -131,18 +119,9 @@ mod tests {
 
     #[test]
     fn a_validation_curve_of_another_length_is_refused() {
-        let term = LossTerm {
-            title: "L".into(),
-            train: vec![1.0, 0.5],
-            validation: vec![1.0],
-        };
-        let refused = training_curves(
-            &TrainingCurves {
-                terms: vec![term],
-                drives: 3,
-            },
-            &Context::real(),
-        );
+        let term = LossTerm { title: "L".into(), train: vec![1.0, 0.5], validation: vec![1.0] };
+        let refused =
+            training_curves(&TrainingCurves { terms: vec![term], drives: 3 }, &Context::real());
         assert!(matches!(refused, Err(ReportError::LengthMismatch { .. })));
     }
 }

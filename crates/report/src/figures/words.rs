@@ -41,10 +41,7 @@ mod tests {
     #[test]
     fn counts_that_differ_say_by_what() {
         assert_eq!(counted([4, 4].into_iter(), ", by panel"), "4");
-        assert_eq!(
-            counted([7, 4, 9].into_iter(), ", by panel"),
-            "4 to 9, by panel"
-        );
+        assert_eq!(counted([7, 4, 9].into_iter(), ", by panel"), "4 to 9, by panel");
         assert_eq!(counted([].into_iter(), ""), "0");
     }
 }

@@ -53,20 +53,11 @@ pub fn render(report: &Report) -> Result<Vec<RenderedFile>, ReportError> {
 fn figure_files(figure: &Figure) -> Result<Vec<RenderedFile>, ReportError> {
     let path = |ending: &str| format!("figures/{}.{ending}", figure.name);
     Ok(vec![
-        RenderedFile {
-            path: path("svg"),
-            bytes: figure.standalone_svg().into_bytes(),
-        },
+        RenderedFile { path: path("svg"), bytes: figure.standalone_svg().into_bytes() },
         #[cfg(feature = "png")]
-        RenderedFile {
-            path: path("png"),
-            bytes: figure.png()?,
-        },
+        RenderedFile { path: path("png"), bytes: figure.png()? },
         #[cfg(feature = "pdf")]
-        RenderedFile {
-            path: path("pdf"),
-            bytes: figure.pdf()?,
-        },
+        RenderedFile { path: path("pdf"), bytes: figure.pdf()? },
     ])
 }
 

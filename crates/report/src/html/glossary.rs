@@ -21,14 +21,7 @@ pub(crate) fn explained<'a>(
     let mut rest = html;
     while let Some(open) = rest.find('<') {
         let (text, tagged) = rest.split_at(open);
-        push(
-            &mut out,
-            text,
-            within.is_none(),
-            terms,
-            &mut here,
-            &mut found,
-        );
+        push(&mut out, text, within.is_none(), terms, &mut here, &mut found);
         let end = tagged.find('>').map_or(tagged.len(), |at| at + 1);
         let (tag, after) = tagged.split_at(end);
         out.push_str(tag);
@@ -55,14 +48,7 @@ pub(crate) fn explained<'a>(
         }
         rest = after;
     }
-    push(
-        &mut out,
-        rest,
-        within.is_none(),
-        terms,
-        &mut here,
-        &mut found,
-    );
+    push(&mut out, rest, within.is_none(), terms, &mut here, &mut found);
     (out, found)
 }
 
@@ -76,9 +62,7 @@ fn push<'a>(
 ) {
     let mut rest = text;
     let mut next = || -> Option<()> {
-        let unexplained = terms
-            .iter()
-            .filter(|(term, _)| reads && !here.contains(term.as_str()));
+        let unexplained = terms.iter().filter(|(term, _)| reads && !here.contains(term.as_str()));
         let (at, term, meaning) = unexplained
             .filter_map(|(term, meaning)| Some((word(rest, term)?, term, meaning)))
             .min_by_key(|(at, term, _)| (*at, usize::MAX - term.len()))?;
@@ -109,15 +93,10 @@ fn word(text: &str, term: &str) -> Option<usize> {
                 && a.as_str() == b.as_str()
         };
         let before = text[..start].chars().next_back().is_some_and(part);
-        let after = text[start + term.len()..]
-            .chars()
-            .next()
-            .is_some_and(char::is_alphanumeric);
+        let after = text[start + term.len()..].chars().next().is_some_and(char::is_alphanumeric);
         same && !before && !after
     };
-    text.char_indices()
-        .map(|(at, _)| at)
-        .find(|at| matches(*at))
+    text.char_indices().map(|(at, _)| at).find(|at| matches(*at))
 }
 
 #[cfg(test)]
@@ -125,13 +104,9 @@ mod tests {
     use super::*;
 
     fn terms() -> Vec<(String, String)> {
-        [
-            ("ADB", "a \"scale\""),
-            ("merge back", "the change back"),
-            ("λ", "a gap"),
-        ]
-        .map(|(a, b)| (a.to_owned(), b.to_owned()))
-        .to_vec()
+        [("ADB", "a \"scale\""), ("merge back", "the change back"), ("λ", "a gap")]
+            .map(|(a, b)| (a.to_owned(), b.to_owned()))
+            .to_vec()
     }
 
     #[test]

@@ -46,9 +46,8 @@ fn kind(verdict: Verdict) -> &'static str {
 
 fn row_value(row: &LedgerRow, anchors: &BTreeSet<String>) -> Value {
     let origin = row.made.as_ref();
-    let shown_in = origin
-        .and_then(|m| m.shown_in.as_ref())
-        .filter(|anchor| anchors.contains(*anchor));
+    let shown_in =
+        origin.and_then(|m| m.shown_in.as_ref()).filter(|anchor| anchors.contains(*anchor));
     context! {
         id => &row.claim.id,
         text => &row.claim.text,

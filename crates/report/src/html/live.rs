@@ -31,19 +31,13 @@ impl Live {
             // The player checks its drives itself, when it is made.
             LiveContent::Player(_) => Ok(()),
         };
-        checked.map_err(|reason| ReportError::Live {
-            below: self.below.clone(),
-            reason,
-        })
+        checked.map_err(|reason| ReportError::Live { below: self.below.clone(), reason })
     }
 }
 
 /// JSON for a `script` element of type `application/json`: no text in it can end the element.
 pub(crate) fn embedded(json: &serde_json::Value) -> String {
-    json.to_string()
-        .replace('<', "\\u003c")
-        .replace('>', "\\u003e")
-        .replace('&', "\\u0026")
+    json.to_string().replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026")
 }
 
 #[cfg(test)]
@@ -55,9 +49,6 @@ mod tests {
         let nasty = serde_json::json!({ "name": "</script><script>alert(1)</script>&<!--" });
         let out = embedded(&nasty);
         assert!(!out.contains('<') && !out.contains('>') && !out.contains('&'));
-        assert_eq!(
-            serde_json::from_str::<serde_json::Value>(&out).unwrap(),
-            nasty
-        );
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&out).unwrap(), nasty);
     }
 }

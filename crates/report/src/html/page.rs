@@ -41,9 +41,8 @@ pub(crate) fn page(
     let supplement = shown_sections(&report.supplement);
     let known = anchors(report);
     let cards = report.cards.iter().zip(plots);
-    let cards: Vec<Value> = cards
-        .map(|(card, plot)| card_value(card, plot.as_ref(), &known))
-        .collect();
+    let cards: Vec<Value> =
+        cards.map(|(card, plot)| card_value(card, plot.as_ref(), &known)).collect();
     let provenance = &report.provenance;
     let inputs = provenance.inputs.iter();
     let inputs = inputs.map(|input| [input.path.clone(), input.hash.clone()]);
@@ -94,17 +93,10 @@ pub(crate) fn page(
         },
     )?;
     let (explained, found) = explained(&filled, &report.glossary);
-    let words = report
-        .glossary
-        .iter()
-        .filter(|(term, _)| found.contains(term.as_str()));
+    let words = report.glossary.iter().filter(|(term, _)| found.contains(term.as_str()));
     let words: Vec<String> = words
         .map(|(term, meaning)| {
-            format!(
-                "<dt>{}</dt><dd>{}</dd>",
-                markup::escape(term),
-                markup::escape(meaning)
-            )
+            format!("<dt>{}</dt><dd>{}</dd>", markup::escape(term), markup::escape(meaning))
         })
         .collect();
     Ok(explained.replacen("<dt>WORDS</dt>", &words.concat(), 1))
@@ -239,11 +231,7 @@ impl Shown {
                 (value, Some(fragment))
             }
         };
-        Ok(Self {
-            below: live.below.clone(),
-            value,
-            player,
-        })
+        Ok(Self { below: live.below.clone(), value, player })
     }
 }
 

@@ -22,16 +22,10 @@ pub(crate) fn packed(script: &str) -> String {
 /// known by their SHA-256. A script that came in with somebody's data would not be one of them.
 pub(crate) fn policy(scripts: &[String]) -> String {
     let hash = |script: &String| {
-        format!(
-            " 'sha256-{}'",
-            STANDARD.encode(Sha256::digest(script.as_bytes()))
-        )
+        format!(" 'sha256-{}'", STANDARD.encode(Sha256::digest(script.as_bytes())))
     };
-    let allowed = if scripts.is_empty() {
-        " 'none'".to_owned()
-    } else {
-        scripts.iter().map(hash).collect()
-    };
+    let allowed =
+        if scripts.is_empty() { " 'none'".to_owned() } else { scripts.iter().map(hash).collect() };
     format!(
         "default-src 'none'; img-src data:; font-src data:; style-src 'unsafe-inline'; script-src{allowed}; \
          base-uri 'none'; form-action 'none'"

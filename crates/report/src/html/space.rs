@@ -68,10 +68,7 @@ impl StyleSpace {
             }
         }
         finite("the gradient", &self.gradient)?;
-        finite(
-            "the ellipse",
-            self.ellipse.as_slice().as_flattened().as_flattened(),
-        )?;
+        finite("the ellipse", self.ellipse.as_slice().as_flattened().as_flattened())?;
         if self.gradient.iter().all(|g| *g == 0.0) {
             return Err("the gradient is zero".to_owned());
         }
@@ -83,10 +80,8 @@ impl StyleSpace {
         let rounded = |point: &[f64; 3]| json!(point.map(short));
         let drive = |d: &SpaceDrive| json!({ "name": d.name, "at": rounded(&d.at), "score": d.score_points.map(short), "speed": short(d.velocity_mps * context.speed.per_mps()) });
         let person = |p: &SpacePerson| {
-            let conditions = p
-                .conditions
-                .iter()
-                .map(|(c, where_)| json!([c.to_string(), rounded(where_)]));
+            let conditions =
+                p.conditions.iter().map(|(c, where_)| json!([c.to_string(), rounded(where_)]));
             let mut out = drive(&p.own);
             out["conditions"] = conditions.collect();
             out

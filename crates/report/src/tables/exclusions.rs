@@ -64,10 +64,7 @@ mod tests {
             "{both}"
         );
         let kept = noted(&[kept]);
-        assert!(
-            kept.contains("Nothing was left out. One row more"),
-            "{kept}"
-        );
+        assert!(kept.contains("Nothing was left out. One row more"), "{kept}");
         assert!(!noted(&[]).contains("doubtful"));
     }
 }

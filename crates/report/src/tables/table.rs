@@ -93,10 +93,7 @@ impl Table {
             rows: self.rows.clone(),
             units: Vec::new(),
         };
-        Self {
-            data: Some(data),
-            ..self
-        }
+        Self { data: Some(data), ..self }
     }
 }
 
@@ -113,10 +110,7 @@ impl Cell {
 
     /// A whole number, without decimals.
     pub fn count(count: usize) -> Self {
-        Self::Number {
-            value: count as f64,
-            decimals: 0,
-        }
+        Self::Number { value: count as f64, decimals: 0 }
     }
 
     /// A number, or missing.
@@ -150,18 +144,12 @@ impl Cell {
 impl Column {
     /// A column of words.
     pub fn left(header: impl Into<String>) -> Self {
-        Self {
-            header: header.into(),
-            align: Align::Left,
-        }
+        Self { header: header.into(), align: Align::Left }
     }
 
     /// A column of numbers.
     pub fn right(header: impl Into<String>) -> Self {
-        Self {
-            header: header.into(),
-            align: Align::Right,
-        }
+        Self { header: header.into(), align: Align::Right }
     }
 }
 
@@ -169,8 +157,7 @@ impl Table {
     /// The rows as shown, with marks.
     pub fn shown(&self) -> Vec<Vec<String>> {
         let rows = self.rows.iter();
-        rows.map(|row| row.iter().map(Cell::marked).collect())
-            .collect()
+        rows.map(|row| row.iter().map(Cell::marked).collect()).collect()
     }
 
     /// Checks that every row fits the columns and every number is finite.
@@ -199,12 +186,7 @@ impl Table {
                     && !value.is_finite()
                 {
                     let table = self.name.clone();
-                    return Err(ReportError::TableNumber {
-                        table,
-                        row,
-                        column,
-                        value: *value,
-                    });
+                    return Err(ReportError::TableNumber { table, row, column, value: *value });
                 }
             }
         }

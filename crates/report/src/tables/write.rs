@@ -71,12 +71,7 @@ impl Table {
         let (heads, rows) = self.written(markdown);
         out += &line(heads);
         let rule = |align| if align == Align::Right { "--:" } else { ":--" }.to_owned();
-        out += &line(
-            self.columns
-                .iter()
-                .map(|column| rule(column.align))
-                .collect(),
-        );
+        out += &line(self.columns.iter().map(|column| rule(column.align)).collect());
         for row in rows {
             out += &line(row);
         }
@@ -95,12 +90,7 @@ impl Table {
             Align::Right if at == 0 => words,
             Align::Right => "r",
         };
-        let columns: String = self
-            .columns
-            .iter()
-            .enumerate()
-            .map(words_or_numbers)
-            .collect();
+        let columns: String = self.columns.iter().enumerate().map(words_or_numbers).collect();
         let small = if self.columns.len() > 6 {
             "\\footnotesize\n\\setlength{\\tabcolsep}{3pt}\n"
         } else {
@@ -137,17 +127,11 @@ impl Table {
     /// An HTML `table` with caption and notes; everything escaped.
     pub fn to_html(&self) -> String {
         let side = |align| {
-            if align == Align::Right {
-                " class=\"number\""
-            } else {
-                ""
-            }
+            if align == Align::Right { " class=\"number\"" } else { "" }
         };
         let title = markup::html(&self.title);
-        let mut out = format!(
-            "<table id=\"table-{}\">\n<caption>{title}</caption>\n<thead><tr>",
-            self.name
-        );
+        let mut out =
+            format!("<table id=\"table-{}\">\n<caption>{title}</caption>\n<thead><tr>", self.name);
         for column in &self.columns {
             let header = markup::html(&column.header);
             let _ = write!(out, "<th scope=\"col\"{}>{header}</th>", side(column.align));
@@ -321,11 +305,7 @@ mod tests {
         table.data = Some(Data {
             heads: vec!["who".into(), "r".into(), "p".into()],
             ids: vec!["eve".into()],
-            rows: vec![vec![
-                Cell::text("eve"),
-                Cell::bounded(Some(0.5), 2),
-                Cell::P(0.0004),
-            ]],
+            rows: vec![vec![Cell::text("eve"), Cell::bounded(Some(0.5), 2), Cell::P(0.0004)]],
             units: Vec::new(),
         });
         assert_eq!(table.to_csv(), "who,r,p\r\neve,0.5,0.0004\r\n");
@@ -352,12 +332,7 @@ mod tests {
         let lines: Vec<&str> = text.lines().skip(1).collect();
         assert_eq!(
             lines,
-            [
-                "          p_Holm",
-                "  été       .012",
-                "  mimic   −12.25",
-                "  W = .57"
-            ]
+            ["          p_Holm", "  été       .012", "  mimic   −12.25", "  W = .57"]
         );
         table.rows.clear();
         assert_eq!(table.to_text().lines().count(), 2);
@@ -366,10 +341,7 @@ mod tests {
     #[test]
     fn markdown_keeps_its_columns() {
         let markdown = table().to_markdown();
-        let row = markdown
-            .lines()
-            .find(|line| line.contains("A \\& B"))
-            .unwrap();
+        let row = markdown.lines().find(|line| line.contains("A \\& B")).unwrap();
         assert!(row.contains("\\<b\\>") && row.contains("\\|") && row.contains("\\*z\\*"));
         let bars = row.replace("\\|", "").matches('|').count();
         assert_eq!(bars, 3);
@@ -387,28 +359,14 @@ mod tests {
     fn a_row_that_is_too_short_is_refused() {
         let mut table = table();
         table.rows[1].pop();
-        assert!(matches!(
-            table.check(),
-            Err(ReportError::TableShape {
-                row: 1,
-                found: 1,
-                ..
-            })
-        ));
+        assert!(matches!(table.check(), Err(ReportError::TableShape { row: 1, found: 1, .. })));
     }
 
     #[test]
     fn a_number_that_is_none_is_refused() {
         let mut table = table();
         table.rows[0][1] = Cell::number(Some(f64::NAN), 2);
-        assert!(matches!(
-            table.check(),
-            Err(ReportError::TableNumber {
-                row: 0,
-                column: 1,
-                ..
-            })
-        ));
+        assert!(matches!(table.check(), Err(ReportError::TableNumber { row: 0, column: 1, .. })));
     }
 
     /// Arabic, Hebrew, an override that turns the rest of a line round, an emoji of two joined signs.

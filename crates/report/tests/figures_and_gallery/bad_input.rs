@@ -64,16 +64,8 @@ fn judge(kind: &Kind, what: &str, answer: &Result<Figure, ReportError>) {
             let svg = &figure.svg;
             let of = |element: &str| svg.matches(element).count();
             let drawn = of("<polyline") + of("<polygon") + of("<circle") + of("<rect");
-            assert!(
-                drawn > 3 && of("<text") > 1,
-                "{}, {what}: an empty picture",
-                kind.name
-            );
-            assert!(
-                !svg.contains("NaN") && !svg.contains("inf\""),
-                "{}, {what}",
-                kind.name
-            );
+            assert!(drawn > 3 && of("<text") > 1, "{}, {what}: an empty picture", kind.name);
+            assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{}, {what}", kind.name);
             let read = usvg::Tree::from_str(svg, &usvg::Options::default());
             assert!(read.is_ok(), "{}, {what}: no XML", kind.name);
             for text in [&figure.caption, &figure.alt] {
@@ -86,11 +78,7 @@ fn judge(kind: &Kind, what: &str, answer: &Result<Figure, ReportError>) {
         }
         Err(error) => {
             let words = error.to_string();
-            assert!(
-                words.contains('`') && words.len() > 20,
-                "{}, {what}: {words}",
-                kind.name
-            );
+            assert!(words.contains('`') && words.len() > 20, "{}, {what}: {words}", kind.name);
         }
     }
 }
@@ -155,11 +143,7 @@ fn a_list_without_entries_or_with_one_is_drawn_or_refused() {
             }
         }
         // Every figure but the view of a moment and a list of counts needs at least one list of something.
-        assert!(
-            refused > 0 || kind.name == "simulator_view",
-            "{} refuses nothing",
-            kind.name
-        );
+        assert!(refused > 0 || kind.name == "simulator_view", "{} refuses nothing", kind.name);
     }
 }
 
@@ -223,16 +207,9 @@ fn no_name_becomes_markup() {
                 "text", "tspan",
             ];
             let document = usvg::roxmltree::Document::parse(&figure.svg).unwrap();
-            for node in document
-                .descendants()
-                .filter(usvg::roxmltree::Node::is_element)
-            {
+            for node in document.descendants().filter(usvg::roxmltree::Node::is_element) {
                 let element = node.tag_name().name();
-                assert!(
-                    allowed.contains(&element),
-                    "{}, {path}: <{element}>",
-                    kind.name
-                );
+                assert!(allowed.contains(&element), "{}, {path}: <{element}>", kind.name);
                 for attribute in node.attributes() {
                     assert!(!attribute.name().starts_with("on"), "{}, {path}", kind.name);
                 }
@@ -250,9 +227,7 @@ fn signs_that_the_font_lacks_are_owned_up_to() {
     let figure = figures::following_errors(&input, &Context::real()).unwrap();
     assert!(figure.svg.contains(">????? ?</text>"));
     assert!(
-        figure
-            .caption
-            .contains("A question mark stands for a sign that the figure’s font lacks.")
+        figure.caption.contains("A question mark stands for a sign that the figure’s font lacks.")
     );
 }
 

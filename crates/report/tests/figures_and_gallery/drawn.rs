@@ -23,11 +23,7 @@ fn texts(group: &usvg::Group, found: &mut Vec<(String, usvg::Rect)>) {
         match node {
             usvg::Node::Group(inner) => texts(inner, found),
             usvg::Node::Text(text) => {
-                let words = text
-                    .chunks()
-                    .iter()
-                    .map(usvg::TextChunk::text)
-                    .collect::<String>();
+                let words = text.chunks().iter().map(usvg::TextChunk::text).collect::<String>();
                 found.push((words, text.abs_bounding_box()));
             }
             _ => {}
@@ -54,11 +50,7 @@ fn every_text_lies_inside_its_figure() {
                 && place.top() >= -0.3
                 && place.right() <= size.width() + 0.3
                 && place.bottom() <= size.height() + 0.3;
-            assert!(
-                inside,
-                "{}: `{words}` at {place:?} in {size:?}",
-                figure.name
-            );
+            assert!(inside, "{}: `{words}` at {place:?} in {size:?}", figure.name);
         }
     }
 }
@@ -93,9 +85,7 @@ fn what_shows_synthetic_participants_says_so_in_three_places() {
         let explains = ["domain", "architecture"].contains(&figure.name.as_str());
         let says = [
             figure.caption.contains("Synthetic participants"),
-            figure
-                .svg
-                .contains("<metadata>Synthetic participants; seed 7</metadata>"),
+            figure.svg.contains("<metadata>Synthetic participants; seed 7</metadata>"),
             figure.svg.contains(">synthetic participants</text>"),
         ];
         assert_eq!(says, [!explains; 3], "{}", figure.name);
@@ -105,11 +95,7 @@ fn what_shows_synthetic_participants_says_so_in_three_places() {
 #[test]
 fn every_figure_has_words_for_who_cannot_see_it_and_names_n_in_its_caption() {
     for figure in all() {
-        assert!(
-            figure.alt.len() > 20 && !figure.alt.contains('*'),
-            "{}",
-            figure.name
-        );
+        assert!(figure.alt.len() > 20 && !figure.alt.contains('*'), "{}", figure.name);
         assert!(
             figure.caption.contains("*n* =")
                 || figure.caption.contains("no data")
@@ -118,11 +104,7 @@ fn every_figure_has_words_for_who_cannot_see_it_and_names_n_in_its_caption() {
             figure.name
         );
         assert!(figure.svg.contains("role=\"img\""));
-        assert!(
-            !figure.svg.contains("NaN") && !figure.svg.contains("\"inf"),
-            "{}",
-            figure.name
-        );
+        assert!(!figure.svg.contains("NaN") && !figure.svg.contains("\"inf"), "{}", figure.name);
     }
 }
 

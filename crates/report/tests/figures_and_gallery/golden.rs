@@ -37,9 +37,7 @@ fn pieces(line: &str) -> Vec<(&str, Option<f64>)> {
     let mut rest = line;
     while let Some(first) = rest.chars().next() {
         let kind = numeric(first);
-        let end = rest
-            .find(|sign| numeric(sign) != kind)
-            .unwrap_or(rest.len());
+        let end = rest.find(|sign| numeric(sign) != kind).unwrap_or(rest.len());
         let (piece, after) = rest.split_at(end);
         out.push((piece, if kind { piece.parse().ok() } else { None }));
         rest = after;
@@ -81,16 +79,8 @@ fn difference(name: &str, now: &str, before: &str) -> Option<String> {
 }
 
 /// Boxes and arrows; points; lines with error bars; a line through points; a scale; cells; rows; bars.
-const COMMITTED: [&str; 8] = [
-    "flow",
-    "scatter",
-    "preference",
-    "residuals",
-    "calibration",
-    "family",
-    "forest",
-    "fidelity",
-];
+const COMMITTED: [&str; 8] =
+    ["flow", "scatter", "preference", "residuals", "calibration", "family", "forest", "fidelity"];
 
 fn figures() -> Vec<Figure> {
     let mut figures = kinds::figures(&kinds::context(7)).unwrap();
@@ -105,20 +95,14 @@ fn the_figures_are_the_committed_ones() {
         .iter()
         .filter_map(|figure| {
             let before = committed(&format!("{}.svg", figure.name), figure.svg.as_bytes());
-            difference(
-                &figure.name,
-                &figure.svg,
-                std::str::from_utf8(&before).unwrap(),
-            )
+            difference(&figure.name, &figure.svg, std::str::from_utf8(&before).unwrap())
         })
         .collect();
     assert!(differences.is_empty(), "{}", differences.join("\n"));
 }
 
 pub(crate) fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(png))
-        .read_info()
-        .unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut buffer).unwrap();
     buffer.truncate(info.buffer_size());
@@ -128,20 +112,13 @@ pub(crate) fn pixels(png: &[u8]) -> (u32, u32, Vec<u8>) {
 #[test]
 fn a_figure_is_the_committed_one_pixel_by_pixel() {
     let name = "preference";
-    let figure = figures()
-        .into_iter()
-        .find(|figure| figure.name == name)
-        .unwrap();
+    let figure = figures().into_iter().find(|figure| figure.name == name).unwrap();
     let now = figure.png_at(DOTS_PER_INCH).unwrap();
     let before = committed(&format!("{name}.png"), &now);
     let ((w, h, ours), (wide, high, theirs)) = (pixels(&now), pixels(&before));
     assert_eq!((w, h), (wide, high), "{name}: another size");
     // Rims of letters may differ by a shade; a moved line or another word changes many pixels by much.
-    let far = ours
-        .iter()
-        .zip(&theirs)
-        .filter(|(a, b)| a.abs_diff(**b) > 48)
-        .count();
+    let far = ours.iter().zip(&theirs).filter(|(a, b)| a.abs_diff(**b) > 48).count();
     let share = far as f64 / ours.len() as f64;
     assert!(
         share < 0.002,
@@ -153,20 +130,10 @@ fn a_figure_is_the_committed_one_pixel_by_pixel() {
 #[test]
 fn a_moved_line_and_another_word_are_found_and_a_rounding_is_not() {
     let before = "<g>\n<line x1=\"12.34\" y=\"-0.5\"/>\n<text>n = 24</text>\n";
-    assert_eq!(
-        difference("x", &before.replace("12.34", "12.36"), before),
-        None
-    );
+    assert_eq!(difference("x", &before.replace("12.34", "12.36"), before), None);
     let moved = difference("x", &before.replace("12.34", "12.37"), before).unwrap();
     assert!(moved.contains("line 2") && moved.contains("12.34") && moved.contains("12.37"));
     assert!(difference("x", &before.replace("24", "25"), before).is_some());
     assert!(difference("x", &before.replace("<text>", "<text >"), before).is_some());
-    assert!(
-        difference(
-            "x",
-            before.trim_end_matches("<text>n = 24</text>\n"),
-            before
-        )
-        .is_some()
-    );
+    assert!(difference("x", before.trim_end_matches("<text>n = 24</text>\n"), before).is_some());
 }

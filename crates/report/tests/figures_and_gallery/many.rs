@@ -87,13 +87,7 @@ fn a_crowd_is_a_density_and_the_caption_says_so() {
         assert!(size < 450_000, "{}: {size} bytes", figure.name);
         let points = figure.svg.matches("<circle").count();
         assert!(points < 1_000, "{}: {points} circles", figure.name);
-        let words = [
-            "too many",
-            "Shade",
-            "first 120 drivers",
-            "nine in ten",
-            "middle half",
-        ];
+        let words = ["too many", "Shade", "first 120 drivers", "nine in ten", "middle half"];
         assert!(
             words.iter().any(|word| figure.caption.contains(word)),
             "{}: {}",
@@ -115,12 +109,7 @@ fn means_of_a_crowd_grow_no_picture() {
         figures::ablation(&variants, &context()).unwrap(),
         figures::preference(&bars, &context()).unwrap(),
     ] {
-        assert!(
-            figure.svg.len() < 40_000,
-            "{}: {} bytes",
-            figure.name,
-            figure.svg.len()
-        );
+        assert!(figure.svg.len() < 40_000, "{}: {} bytes", figure.name, figure.svg.len());
     }
 }
 
@@ -131,9 +120,5 @@ fn a_long_drive_in_dense_traffic_is_thinned_and_what_is_left_out_is_counted() {
     drive.others = vec![other; MANY];
     let figure = figures::time_space(&drive, &context()).unwrap();
     assert!(figure.svg.len() < 1_200_000, "{} bytes", figure.svg.len());
-    assert!(
-        figure.caption.contains("9880 more vehicles are left out"),
-        "{}",
-        figure.caption
-    );
+    assert!(figure.caption.contains("9880 more vehicles are left out"), "{}", figure.caption);
 }

@@ -44,20 +44,13 @@ fn every_figure_function_of_the_library_is_in_the_gallery() {
     let list = include_str!("../../src/figures/mod.rs");
     let functions: Vec<&str> = list
         .lines()
-        .filter_map(|line| {
-            line.strip_prefix("pub use ")?
-                .strip_suffix(';')?
-                .split_once("::")
-        })
+        .filter_map(|line| line.strip_prefix("pub use ")?.strip_suffix(';')?.split_once("::"))
         .filter(|(module, function)| module == function)
         .map(|(_, function)| function)
         .collect();
     assert!(functions.len() > 20, "{functions:?}");
     for function in functions {
         let known = kinds::KINDS.iter().any(|(name, _)| *name == function);
-        assert!(
-            known,
-            "figures::{function} is not in examples/gallery/kinds/mod.rs"
-        );
+        assert!(known, "figures::{function} is not in examples/gallery/kinds/mod.rs");
     }
 }

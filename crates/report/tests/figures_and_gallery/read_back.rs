@@ -40,33 +40,21 @@ fn points(node: Node<'_, '_>) -> Vec<Point> {
 }
 
 fn words(node: Node<'_, '_>) -> String {
-    node.descendants()
-        .filter(Node::is_text)
-        .filter_map(|inner| inner.text())
-        .collect()
+    node.descendants().filter(Node::is_text).filter_map(|inner| inner.text()).collect()
 }
 
 /// The panels of a figure in the order in which they are drawn.
 fn panels(svg: &str) -> Vec<Panel> {
     let document = Document::parse(svg).unwrap();
-    let nodes: Vec<Node<'_, '_>> = document
-        .root_element()
-        .children()
-        .filter(Node::is_element)
-        .collect();
+    let nodes: Vec<Node<'_, '_>> =
+        document.root_element().children().filter(Node::is_element).collect();
     let mut panels: Vec<Panel> = Vec::new();
     let (mut in_axes, mut index) = (false, 0);
     while index < nodes.len() {
         let node = nodes[index];
-        let label = nodes
-            .get(index + 1)
-            .filter(|next| next.has_tag_name("text"));
+        let label = nodes.get(index + 1).filter(|next| next.has_tag_name("text"));
         let anchor = label.and_then(|label| label.attribute("text-anchor"));
-        let ends = if node.has_tag_name("polyline") {
-            points(node)
-        } else {
-            Vec::new()
-        };
+        let ends = if node.has_tag_name("polyline") { points(node) } else { Vec::new() };
         let tick = match (&ends[..], anchor) {
             ([a, b], Some("end")) if node.attribute("stroke") == Some("#e6e6e6") => {
                 (a.1 - b.1).abs() < 1e-9
@@ -102,9 +90,7 @@ impl Panel {
     fn take(&mut self, node: Node<'_, '_>) {
         match node.tag_name().name() {
             "polyline" => self.lines.extend(points(node)),
-            "circle" => self
-                .marks
-                .push((attribute(node, "cx"), attribute(node, "cy"))),
+            "circle" => self.marks.push((attribute(node, "cx"), attribute(node, "cy"))),
             "polygon" => {
                 let corners = points(node);
                 let n = corners.len() as f64;
@@ -124,8 +110,7 @@ impl Panel {
 fn place(ticks: &[(String, f64)], value: f64) -> f64 {
     let number = |text: &str| -> f64 {
         let text = text.replace('\u{2212}', "-").replace('°', "");
-        text.parse()
-            .unwrap_or_else(|_| panic!("`{text}` is no number"))
+        text.parse().unwrap_or_else(|_| panic!("`{text}` is no number"))
     };
     let (first, last) = (&ticks[0], &ticks[ticks.len() - 1]);
     assert!(ticks.len() > 1, "one tick is no scale");
@@ -164,46 +149,27 @@ impl Drawn {
             list.iter().any(|p| near(p.0, x) && (p.1 - y).abs() < apart)
         };
         let (holds, what) = match self {
-            Self::Mark(point) => (
-                both(&panel.marks, at(point)),
-                format!("a mark at {point:?}"),
-            ),
-            Self::Line(point) => (
-                both(&panel.lines, at(point)),
-                format!("a line at {point:?}"),
-            ),
+            Self::Mark(point) => (both(&panel.marks, at(point)), format!("a mark at {point:?}")),
+            Self::Line(point) => (both(&panel.lines, at(point)), format!("a line at {point:?}")),
             Self::InRow(x, row) => (in_row(&panel.marks, *x, *row), format!("{x} in row {row}")),
-            Self::EndInRow(x, row) => (
-                in_row(&panel.lines, *x, *row),
-                format!("a line to {x} in row {row}"),
-            ),
+            Self::EndInRow(x, row) => {
+                (in_row(&panel.lines, *x, *row), format!("a line to {x} in row {row}"))
+            }
             Self::MarkAtY(y) => {
                 let height = place(&panel.y, *y);
-                (
-                    panel.marks.iter().any(|p| near(p.1, height)),
-                    format!("a mark at y = {y}"),
-                )
+                (panel.marks.iter().any(|p| near(p.1, height)), format!("a mark at y = {y}"))
             }
             Self::LineAtX(x) => {
                 let side = place(&panel.x, *x);
-                (
-                    panel.lines.iter().any(|p| near(p.0, side)),
-                    format!("a line at x = {x}"),
-                )
+                (panel.lines.iter().any(|p| near(p.0, side)), format!("a line at x = {x}"))
             }
             Self::CornerAtX(x) => {
                 let side = place(&panel.x, *x);
-                (
-                    panel.corners.iter().any(|p| near(p.0, side)),
-                    format!("a side at x = {x}"),
-                )
+                (panel.corners.iter().any(|p| near(p.0, side)), format!("a side at x = {x}"))
             }
             Self::CornerAtY(y) => {
                 let height = place(&panel.y, *y);
-                (
-                    panel.corners.iter().any(|p| near(p.1, height)),
-                    format!("an edge at y = {y}"),
-                )
+                (panel.corners.iter().any(|p| near(p.1, height)), format!("an edge at y = {y}"))
             }
         };
         assert!(holds, "{name}: {what} is not drawn");

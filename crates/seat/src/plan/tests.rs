@@ -17,23 +17,16 @@ fn design(tables: &str) -> Design {
 
 /// The worlds of somebody: practice, drive, then a condition and its world for each ride.
 fn worlds(line: &str, participant: &str, index: usize) -> (Vec<String>, Vec<(String, String)>) {
-    let design = design(&format!(
-        "{ELSEWHERE}{CALM}{MINE}{MEAN}[protocol]\n{line}\n"
-    ));
-    let riding = Riding {
-        order: &williams(3, index),
-        styles: &Styles::new(),
-        range: ScoreRange::ADB,
-    };
+    let design = design(&format!("{ELSEWHERE}{CALM}{MINE}{MEAN}[protocol]\n{line}\n"));
+    let riding =
+        Riding { order: &williams(3, index), styles: &Styles::new(), range: ScoreRange::ADB };
     let steps = of_design(&design, &[], &Texts::default(), participant, Some(riding)).unwrap();
     let by_hand = steps.iter().filter_map(|step| match step {
         Step::Practice { seed, .. } | Step::Drive { seed, .. } => Some(seed.clone()),
         _ => None,
     });
     let rides = steps.iter().filter_map(|step| match step {
-        Step::Ride {
-            condition, seed, ..
-        } => Some((condition.to_string(), seed.clone())),
+        Step::Ride { condition, seed, .. } => Some((condition.to_string(), seed.clone())),
         _ => None,
     });
     (by_hand.collect(), rides.collect())
@@ -49,11 +42,7 @@ fn a_turn_of_the_dial_is_a_third_of_a_step_and_where_none_is_said_of_one_on_the_
         let tables = format!(
             "{style}[[condition]]\nid = \"free\"\ncar = {{ free = true, recorded = true }}\n"
         );
-        let riding = Riding {
-            order: &[0],
-            styles: &Styles::new(),
-            range,
-        };
+        let riding = Riding { order: &[0], styles: &Styles::new(), range };
         let (design, texts) = (design(&tables), Texts::default());
         let steps = of_design(&design, &[], &texts, "P001", Some(riding)).unwrap();
         let turns = steps.iter().find_map(|step| match step {
@@ -75,19 +64,11 @@ fn which_ride_was_in_the_own_style_is_asked_by_the_numbers_that_the_rides_had() 
     let scale = include_str!("../../../../study_data/further_scales/which.toml");
     let scale = Scale::from_toml(scale).unwrap();
     let asked = |order: &[usize]| {
-        let riding = Riding {
-            order,
-            styles: &Styles::new(),
-            range: ScoreRange::ADB,
-        };
+        let riding = Riding { order, styles: &Styles::new(), range: ScoreRange::ADB };
         let (texts, scales) = (Texts::default(), std::slice::from_ref(&scale));
         let steps = of_design(&design, scales, &texts, "P001", Some(riding)).unwrap();
         let asked = steps.iter().find_map(|step| match step {
-            Step::Scale {
-                instruction,
-                moment: Moment::Post,
-                ..
-            } => instruction.clone(),
+            Step::Scale { instruction, moment: Moment::Post, .. } => instruction.clone(),
             _ => None,
         });
         asked.unwrap()
@@ -103,21 +84,13 @@ fn the_consent_asks_for_a_style_where_it_may_be_lent_to_others_who_take_part_and
     let asked = |learned: &str, car: &str, rides: bool| {
         let other = format!("[[condition]]\nid = \"other\"\ncar = {{ {car}, recorded = true }}\n");
         let design = design(&format!("{learned}{MINE}{other}"));
-        let texts = Texts {
-            consent: Some("You drive.".to_owned()),
-            ..Texts::default()
-        };
+        let texts = Texts { consent: Some("You drive.".to_owned()), ..Texts::default() };
         let styles = Styles::new();
-        let riding = rides.then_some(Riding {
-            order: &[0, 1],
-            styles: &styles,
-            range: ScoreRange::ADB,
-        });
+        let riding =
+            rides.then_some(Riding { order: &[0, 1], styles: &styles, range: ScoreRange::ADB });
         let steps = of_design(&design, &[], &texts, "P001", riding).unwrap();
         let lend = steps.into_iter().find_map(|step| match step {
-            Step::Text {
-                agree: true, lend, ..
-            } => Some(lend),
+            Step::Text { agree: true, lend, .. } => Some(lend),
             _ => None,
         });
         lend.unwrap()
@@ -151,11 +124,7 @@ fn the_same_ride_of_everybody_is_in_the_same_world_and_nothing_is_met_twice() {
     assert_eq!(met.len(), 5);
     // Another study has other worlds.
     let (_, elsewhere) = worlds("seed = 2", "P001", 0);
-    assert!(
-        seeds(&rides)
-            .iter()
-            .all(|seed| !seeds(&elsewhere).contains(seed))
-    );
+    assert!(seeds(&rides).iter().all(|seed| !seeds(&elsewhere).contains(seed)));
 }
 
 #[test]
@@ -173,10 +142,7 @@ fn each_condition_meets_each_world_of_a_ride_equally_often() {
 fn the_same_world_is_that_of_all_rides_and_not_that_of_the_drive() {
     let (by_hand, rides) = worlds("world = \"same\"", "P001", 0);
     let (other_by_hand, other_rides) = worlds("world = \"same\"", "P002", 1);
-    let met: BTreeSet<&String> = seeds(&rides)
-        .into_iter()
-        .chain(seeds(&other_rides))
-        .collect();
+    let met: BTreeSet<&String> = seeds(&rides).into_iter().chain(seeds(&other_rides)).collect();
     assert_eq!(met.len(), 1);
     assert_eq!(by_hand[1], other_by_hand[1]);
     assert!(!met.contains(&by_hand[1]));
@@ -188,10 +154,7 @@ fn a_world_of_ones_own_is_by_person_and_condition() {
     let (by_hand, rides) = worlds(own, "P001", 0);
     let (other_by_hand, other_rides) = worlds(own, "P002", 0);
     let all = [&by_hand, &other_by_hand].into_iter().flatten();
-    let all: BTreeSet<&String> = all
-        .chain(seeds(&rides))
-        .chain(seeds(&other_rides))
-        .collect();
+    let all: BTreeSet<&String> = all.chain(seeds(&rides)).chain(seeds(&other_rides)).collect();
     assert_eq!(all.len(), 10);
     let mut reordered = worlds(own, "P001", 1).1;
     reordered.sort();

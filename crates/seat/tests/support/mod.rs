@@ -132,10 +132,7 @@ pub(crate) fn open(folder: &Path) -> Result<Seat, SeatError> {
 
 /// As [`open`], with this model.
 pub(crate) fn open_with(folder: &Path, model: Option<Vec<u8>>) -> Result<Seat, SeatError> {
-    let settings = SeatSettings {
-        model,
-        ..settings(folder)
-    };
+    let settings = SeatSettings { model, ..settings(folder) };
     Seat::open(&folder.join("seat/seat.db"), settings)
 }
 
@@ -150,11 +147,7 @@ pub(crate) fn read(folder: &Path, name: &str) -> String {
 }
 
 pub(crate) fn runtime() -> tokio::runtime::Runtime {
-    tokio::runtime::Builder::new_multi_thread()
-        .worker_threads(2)
-        .enable_all()
-        .build()
-        .unwrap()
+    tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build().unwrap()
 }
 
 /// A server, and the runtime that it ends with.
@@ -179,16 +172,10 @@ impl Server {
         let seat = Arc::new(seat);
         let runtime = runtime();
         let any = SocketAddr::from(([127, 0, 0, 1], 0));
-        let serving = runtime
-            .block_on(serve(Arc::clone(&seat), any, Wire::Here, tell))
-            .unwrap();
+        let serving = runtime.block_on(serve(Arc::clone(&seat), any, Wire::Here, tell)).unwrap();
         let address = serving.address;
         runtime.spawn(serving.forever());
-        Self {
-            runtime: Some(runtime),
-            seat,
-            address,
-        }
+        Self { runtime: Some(runtime), seat, address }
     }
 
     pub(crate) fn ask(
@@ -206,16 +193,9 @@ impl Server {
         if !headers.iter().any(|(name, _)| *name == "Origin") {
             all.push(("Origin", format!("http://{address}")));
         }
-        all.extend(
-            headers
-                .iter()
-                .map(|(name, value)| (*name, (*value).to_owned())),
-        );
+        all.extend(headers.iter().map(|(name, value)| (*name, (*value).to_owned())));
         all.retain(|(name, value)| !(name == &"Origin" && value.is_empty()));
-        let mut text = format!(
-            "{method} {path} HTTP/1.1\r\nContent-Length: {}\r\n",
-            body.len()
-        );
+        let mut text = format!("{method} {path} HTTP/1.1\r\nContent-Length: {}\r\n", body.len());
         for (name, value) in all {
             text += name;
             text += ": ";
@@ -228,11 +208,7 @@ impl Server {
         let mut reply = Vec::new();
         let _ = stream.read_to_end(&mut reply);
         let reply = String::from_utf8_lossy(&reply).into_owned();
-        let status = reply
-            .split(' ')
-            .nth(1)
-            .and_then(|s| s.parse().ok())
-            .unwrap_or(0);
+        let status = reply.split(' ').nth(1).and_then(|s| s.parse().ok()).unwrap_or(0);
         (status, reply)
     }
 
@@ -282,10 +258,7 @@ pub(crate) fn tells(text: &str, words: &[&str]) {
 /// A reply has this status and these words.
 #[track_caller]
 pub(crate) fn replies((status, reply): (u16, String), expected: u16, words: &str) {
-    assert!(
-        status == expected && reply.contains(words),
-        "{status}, no `{words}` in: {reply}"
-    );
+    assert!(status == expected && reply.contains(words), "{status}, no `{words}` in: {reply}");
 }
 
 /// As [`Server::post`], with the password of the experimenter's page.
@@ -301,9 +274,6 @@ pub(crate) fn lab(server: &Server) -> String {
 
 pub(crate) fn opened(server: &Server) -> String {
     let token = server.seat.let_in().unwrap();
-    assert_eq!(
-        server.post(&format!("/api/{token}/open/{TAB}"), "null").0,
-        200
-    );
+    assert_eq!(server.post(&format!("/api/{token}/open/{TAB}"), "null").0, 200);
     token
 }

@@ -100,9 +100,7 @@ impl Script {
         let begins_with = rider.begins_with();
         let mut shown = state["own"].as_str().map(|lines| {
             let record = Record::from_lines(lines).unwrap();
-            let inputs = record
-                .held()
-                .flat_map(|held| vec![held.input; held.steps as usize]);
+            let inputs = record.held().flat_map(|held| vec![held.input; held.steps as usize]);
             inputs.collect::<Vec<_>>().into_iter()
         });
         let mut drive = if shown.is_some() {
@@ -122,9 +120,7 @@ impl Script {
             if let Some((what, answer)) = probed(&step["probe"], drive.ticks()) {
                 drive.note(&what, answer);
             }
-            let stops = self
-                .stops
-                .filter(|(tick, _)| !by_hand && drive.ticks() == *tick);
+            let stops = self.stops.filter(|(tick, _)| !by_hand && drive.ticks() == *tick);
             if let Some((_, reason)) = stops {
                 drive.note(&format!("stopped: {reason}"), None);
             }
@@ -137,10 +133,7 @@ impl Script {
             };
             let goes_on = drive.tick(input) && stops.is_none();
             if !goes_on || drive.ticks().is_multiple_of(100) {
-                let chunk = drive.chunk(Frames {
-                    drawn: 60,
-                    ..Frames::default()
-                });
+                let chunk = drive.chunk(Frames { drawn: 60, ..Frames::default() });
                 if chunk.ticks > 0 {
                     lines.push(serde_json::to_string(&chunk).unwrap());
                 }
@@ -162,10 +155,7 @@ impl Script {
     /// The keys that are down: in the middle of the right lane at the speed, behind whoever is slower.
     fn keys(&self, drive: &SeatDrive<'_>) -> Keys {
         let Some(wanted) = self.speed else {
-            return Keys {
-                faster: drive.ticks() < 600,
-                ..Keys::default()
-            };
+            return Keys { faster: drive.ticks() < 600, ..Keys::default() };
         };
         let (car, scene) = (drive.session().car(), drive.session().scene());
         let ahead = scene.vehicles.iter().filter(|v| {
@@ -211,10 +201,9 @@ impl Script {
                 sent(format!("/api/{token}/answer/{at}"), &rested.to_string());
             }
             "elsewhere" => sent(format!("/api/{token}/answer/{at}"), "{\"seconds\":300}"),
-            "screen" | "computer" => sent(
-                format!("/api/{token}/answer/{at}"),
-                r#"{"refused":null,"seconds":4.5}"#,
-            ),
+            "screen" | "computer" => {
+                sent(format!("/api/{token}/answer/{at}"), r#"{"refused":null,"seconds":4.5}"#)
+            }
             "scale" => {
                 let items = step["items"].as_array().unwrap().iter();
                 let end = |item: &Value, key: &str| item[key].as_i64().unwrap();
@@ -229,10 +218,7 @@ impl Script {
                 let (lines, style) = self.driven(&step, &state);
                 let attempt = state["attempts"].as_u64().unwrap() + 1;
                 for part in lines.chunks(3) {
-                    sent(
-                        format!("/api/{token}/drive/{at}/{attempt}/{TAB}"),
-                        &piece(part),
-                    );
+                    sent(format!("/api/{token}/drive/{at}/{attempt}/{TAB}"), &piece(part));
                 }
                 // Nothing is learned of a further session's drive.
                 if let Some(style) = style.filter(|_| step["session"].is_null()) {
@@ -252,9 +238,6 @@ fn probed(probe: &Value, ticks: u64) -> Option<(String, Option<f64>)> {
     let number = ticks / every;
     (number > 0 && ticks % every == 200).then(|| {
         let answer = (number % 2 == 1).then_some(number as f64);
-        (
-            format!("probe:{}", probe["scale"].as_str().unwrap()),
-            answer,
-        )
+        (format!("probe:{}", probe["scale"].as_str().unwrap()), answer)
     })
 }

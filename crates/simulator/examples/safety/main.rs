@@ -21,20 +21,10 @@ fn drive(kind: &str, number: u64) -> Result<Outcome, SimulatorError> {
     let scenario = scenario(kind, number)?;
     let mut planner = planner(kind, number);
     let controllers = &scenario.settings().controllers;
-    let driven = rollout(
-        &scenario,
-        Driver::Automated(&mut planner, controllers),
-        number,
-    )?;
-    let own_fault = driven
-        .collisions
-        .iter()
-        .filter(|c| c.cause == CollisionCause::AssumptionsHeld);
+    let driven = rollout(&scenario, Driver::Automated(&mut planner, controllers), number)?;
+    let own_fault = driven.collisions.iter().filter(|c| c.cause == CollisionCause::AssumptionsHeld);
     for collision in own_fault {
-        println!(
-            "{kind} {number}: vehicle {} at {:.2} s",
-            collision.vehicle.0, collision.time_s
-        );
+        println!("{kind} {number}: vehicle {} at {:.2} s", collision.vehicle.0, collision.time_s);
     }
     let x_m = &driven.recording.ego().x_m;
     Ok(Outcome {
@@ -69,10 +59,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let sum = |count: fn(&RolloutReport) -> u32| -> u32 {
             outcomes.iter().map(|o| count(&o.report)).sum()
         };
-        let inside: Vec<f64> = outcomes
-            .iter()
-            .map(|o| o.report.inside_safe_distance_s)
-            .collect();
+        let inside: Vec<f64> = outcomes.iter().map(|o| o.report.inside_safe_distance_s).collect();
         let km: f64 = outcomes.iter().map(|o| o.km).sum();
         let mut causes: BTreeMap<CollisionCause, u32> = BTreeMap::new();
         for cause in outcomes.iter().flat_map(|o| &o.causes) {
@@ -88,21 +75,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             sum(|r| r.given_up_changes),
             inside.iter().sum::<f64>() / each as f64,
             inside.iter().copied().fold(0.0, f64::max),
-            outcomes
-                .iter()
-                .map(|o| o.report.least_safe_distance_share)
-                .fold(1.0, f64::min),
-            if others.is_empty() {
-                "0".to_owned()
-            } else {
-                others.join(", ")
-            },
+            outcomes.iter().map(|o| o.report.least_safe_distance_share).fold(1.0, f64::min),
+            if others.is_empty() { "0".to_owned() } else { others.join(", ") },
         );
         if let Some(mib) = peak_mib() {
-            eprintln!(
-                "{kind}: {:.0} s, peak memory {mib:.0} MiB",
-                start.elapsed().as_secs_f64()
-            );
+            eprintln!("{kind}: {:.0} s, peak memory {mib:.0} MiB", start.elapsed().as_secs_f64());
         }
     }
     println!("{total} collisions where the assumptions held");

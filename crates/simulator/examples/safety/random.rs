@@ -11,15 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 /// The kinds of scenario.
-pub(crate) const KINDS: [&str; 7] = [
-    "paper",
-    "curved",
-    "many lanes",
-    "cut-in",
-    "hard-braking lead",
-    "dense",
-    "stop-and-go",
-];
+pub(crate) const KINDS: [&str; 7] =
+    ["paper", "curved", "many lanes", "cut-in", "hard-braking lead", "dense", "stop-and-go"];
 
 const DENSE: &str = maveric_data::SCENARIOS_DENSE;
 const STOP_AND_GO: &str = maveric_data::SCENARIOS_STOP_AND_GO;
@@ -93,9 +86,7 @@ fn draw(kind: &str, rng: &mut Pcg64Mcg) -> Result<Scenario, SimulatorError> {
 }
 
 fn bends(rng: &mut Pcg64Mcg) -> Vec<Segment> {
-    let mut segments = vec![Segment::Straight {
-        length_m: between(rng, 100.0, 600.0),
-    }];
+    let mut segments = vec![Segment::Straight { length_m: between(rng, 100.0, 600.0) }];
     for _ in 0..3 {
         let sign = if chance(rng, 0.5) { 1.0 } else { -1.0 };
         let radius_m = sign * between(rng, 180.0, 1500.0);
@@ -103,15 +94,9 @@ fn bends(rng: &mut Pcg64Mcg) -> Vec<Segment> {
             length_m: between(rng, 60.0, 250.0),
             to_radius_m: Some(radius_m),
         });
-        segments.push(Segment::Arc {
-            length_m: between(rng, 50.0, 600.0),
-            radius_m,
-        });
+        segments.push(Segment::Arc { length_m: between(rng, 50.0, 600.0), radius_m });
     }
-    segments.push(Segment::Clothoid {
-        length_m: 120.0,
-        to_radius_m: None,
-    });
+    segments.push(Segment::Clothoid { length_m: 120.0, to_radius_m: None });
     segments
 }
 
@@ -198,11 +183,7 @@ fn hard_braking(rng: &mut Pcg64Mcg, s: &mut ScenarioSettings) {
     for _ in 0..4 {
         script.push(ScriptStep {
             at_s: Some(at_s),
-            speed_mps: Some(if chance(rng, 0.3) {
-                0.0
-            } else {
-                between(rng, 0.0, 15.0)
-            }),
+            speed_mps: Some(if chance(rng, 0.3) { 0.0 } else { between(rng, 0.0, 15.0) }),
             acceleration_mps2: Some(hardest),
             ..ScriptStep::default()
         });
@@ -234,10 +215,7 @@ struct Urge {
 
 impl Urge {
     fn wish(&mut self, view: &View<'_>, probability: f64) -> LaneWish {
-        let changing = matches!(
-            view.activity,
-            LaneActivity::Changing | LaneActivity::GoingBack
-        );
+        let changing = matches!(view.activity, LaneActivity::Changing | LaneActivity::GoingBack);
         if changing || view.reference.vehicle != self.about {
             self.about = view.reference.vehicle;
             self.hazard = 0.0;
@@ -251,11 +229,7 @@ impl Urge {
             0.1.. => When::NotYet,
             _ => return LaneWish::Stay,
         };
-        if view.lane == 0 {
-            LaneWish::MoveOut(when)
-        } else {
-            LaneWish::MoveBack(when)
-        }
+        if view.lane == 0 { LaneWish::MoveOut(when) } else { LaneWish::MoveBack(when) }
     }
 }
 

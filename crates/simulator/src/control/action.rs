@@ -27,9 +27,6 @@ pub(crate) struct Action {
 }
 
 impl Action {
-    pub(crate) const NOTHING: Self = Self {
-        acceleration_mps2: 0.0,
-        manoeuvre: None,
-        lane_offset_m: 0.0,
-    };
+    pub(crate) const NOTHING: Self =
+        Self { acceleration_mps2: 0.0, manoeuvre: None, lane_offset_m: 0.0 };
 }

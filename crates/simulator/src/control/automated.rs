@@ -117,21 +117,15 @@ impl<'a> AutomatedDriver<'a> {
             finite(name, found, scene.time_s)?;
         }
         self.setpoints = Some(setpoints);
-        self.sideways
-            .observe(self.settings, scene, &self.road, self.vehicle.width_m);
+        self.sideways.observe(self.settings, scene, &self.road, self.vehicle.width_m);
         let acceleration_mps2 = self.accelerate(scene, steering, &setpoints);
 
         let manoeuvre = if changing {
             self.give_up_if_unsafe(scene, steering)
         } else {
             let ego_lane = steering.lane();
-            let back = self.return_rule.due(
-                self.settings,
-                scene,
-                &self.road,
-                &reference,
-                PLANNING_STEP_S,
-            );
+            let back =
+                self.return_rule.due(self.settings, scene, &self.road, &reference, PLANNING_STEP_S);
             let wished = match setpoints.wish {
                 LaneWish::MoveOut(When::Now) => Some(ego_lane + 1).filter(|&l| l < self.road.lanes),
                 LaneWish::MoveBack(When::Now) => ego_lane.checked_sub(1),
@@ -140,11 +134,7 @@ impl<'a> AutomatedDriver<'a> {
             let lane = wished.or_else(|| ego_lane.checked_sub(1).filter(|_| back));
             self.start_if_safe(scene, ego_lane, lane)
         };
-        Ok(Action {
-            acceleration_mps2,
-            manoeuvre,
-            lane_offset_m: 0.0,
-        })
+        Ok(Action { acceleration_mps2, manoeuvre, lane_offset_m: 0.0 })
     }
 
     /// The smaller of what velocity, following and safety ask, without a jump.
@@ -166,9 +156,8 @@ impl<'a> AutomatedDriver<'a> {
         );
         let driven_up_to = self.driven_up_to(scene, steering, setpoints);
         // The lane being left counts for the first half of a change, the one entered from its start.
-        let left_behind = steering
-            .coming_from()
-            .filter(|_| steering.progress(scene.ego.x_m) < Some(0.5));
+        let left_behind =
+            steering.coming_from().filter(|_| steering.progress(scene.ego.x_m) < Some(0.5));
         let lanes = [Some(steering.lane()), left_behind];
         let wanted = lanes
             .into_iter()
@@ -176,10 +165,7 @@ impl<'a> AutomatedDriver<'a> {
             .filter_map(|lane| ahead_or_entering(scene, &self.road, lane, self.sideways.claims()))
             .filter(|n| driven_up_to != Some(n.vehicle.id))
             .map(|n| {
-                let lead = Lead {
-                    gap_m: n.gap_m,
-                    speed_mps: n.vehicle.speed_mps,
-                };
+                let lead = Lead { gap_m: n.gap_m, speed_mps: n.vehicle.speed_mps };
                 following_acceleration(s, setpoints.following_distance_m, speed, lead, cruise)
             })
             .fold(cruise, f64::min);
@@ -253,9 +239,7 @@ impl<'a> AutomatedDriver<'a> {
                 kept_lane: steering.coming_from().unwrap_or(steering.lane()),
             },
         );
-        Some(Manoeuvre::GoBack {
-            duration_s: GO_BACK_S,
-        })
+        Some(Manoeuvre::GoBack { duration_s: GO_BACK_S })
     }
 
     fn gaps_are_safe(&self, scene: &Scene, lane: u8, margin_m: f64) -> bool {
@@ -264,11 +248,7 @@ impl<'a> AutomatedDriver<'a> {
     }
 
     fn note(&mut self, scene: &Scene, kind: InterventionKind) {
-        self.interventions.push(Intervention {
-            time_s: scene.time_s,
-            vehicle: None,
-            kind,
-        });
+        self.interventions.push(Intervention { time_s: scene.time_s, vehicle: None, kind });
     }
 
     fn start_if_safe(&mut self, scene: &Scene, ego_lane: u8, due: Option<u8>) -> Option<Manoeuvre> {
@@ -277,19 +257,13 @@ impl<'a> AutomatedDriver<'a> {
             return None;
         };
         let safe = self.gaps_are_safe(scene, lane, self.settings.margin_m);
-        let duration = duration_s(
-            self.settings,
-            scene.ego.speed_mps,
-            ahead(scene, &self.road, ego_lane),
-        );
+        let duration =
+            duration_s(self.settings, scene.ego.speed_mps, ahead(scene, &self.road, ego_lane));
         let Some(duration_s) = duration.filter(|_| safe) else {
             if self.lane_state != LaneState::Waiting {
                 self.note(
                     scene,
-                    InterventionKind::HeldChange {
-                        asked_lane: lane,
-                        kept_lane: ego_lane,
-                    },
+                    InterventionKind::HeldChange { asked_lane: lane, kept_lane: ego_lane },
                 );
             }
             self.lane_state = LaneState::Waiting;
@@ -304,10 +278,5 @@ fn finite(name: &'static str, found: f64, time_s: f64) -> Result<(), SimulatorEr
     if found.is_finite() {
         return Ok(());
     }
-    Err(SimulatorError::Setpoint {
-        name,
-        found,
-        time_s,
-        expected: "a finite number",
-    })
+    Err(SimulatorError::Setpoint { name, found, time_s, expected: "a finite number" })
 }

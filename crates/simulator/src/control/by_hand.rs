@@ -64,11 +64,7 @@ mod tests {
     use super::*;
 
     fn asked(throttle: f64, brake: f64, speed_mps: f64) -> f64 {
-        let hands = Hands {
-            throttle,
-            brake,
-            ..Hands::default()
-        };
+        let hands = Hands { throttle, brake, ..Hands::default() };
         let settings = &Scenario::paper().settings().vehicle.clone();
         hands.command(settings, speed_mps).acceleration_mps2
     }

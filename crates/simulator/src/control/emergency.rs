@@ -59,21 +59,12 @@ impl EmergencyBrake {
         } else {
             wanted_mps2
         };
-        let command = command.min(rule_allows_mps2(
-            settings,
-            scene,
-            road,
-            claims,
-            driven_up_to,
-        ));
+        let command = command.min(rule_allows_mps2(settings, scene, road, claims, driven_up_to));
         let overrides = command < wanted_mps2;
         let begins = (overrides && !self.braking).then_some(Intervention {
             time_s: scene.time_s,
             vehicle: self.seen.map(|(id, _)| id),
-            kind: InterventionKind::Braked {
-                asked_mps2: wanted_mps2,
-                given_mps2: command,
-            },
+            kind: InterventionKind::Braked { asked_mps2: wanted_mps2, given_mps2: command },
         });
         self.braking = overrides;
         (command, begins)
@@ -176,11 +167,7 @@ mod tests {
         command(60.0);
         assert!(command(9.0) < -5.0 && command(8.9) < -5.0);
         assert_eq!(noted.len(), 2);
-        let InterventionKind::Braked {
-            asked_mps2,
-            given_mps2,
-        } = noted[1].kind
-        else {
+        let InterventionKind::Braked { asked_mps2, given_mps2 } = noted[1].kind else {
             panic!("{noted:?}");
         };
         assert!(asked_mps2 > 0.4 && given_mps2 < -5.0 && noted[1].vehicle == Some(VehicleId(1)));
@@ -192,9 +179,7 @@ mod tests {
         let vehicle = &scenario.settings().vehicle;
         let asked = (0.5, None);
         let road = Road::PAPER;
-        brake
-            .override_command(&AT_ONCE, vehicle, scene, &road, claims, asked)
-            .0
+        brake.override_command(&AT_ONCE, vehicle, scene, &road, claims, asked).0
     }
 
     #[test]
@@ -264,10 +249,9 @@ mod tests {
         let slower = |ego_mps: f64, gap_m: f64, other_mps: f64| {
             scene(0.0, ego_mps, &[other(1, gap_m, left, other_mps)])
         };
-        for (scene, expected) in [
-            (slower(30.0, 52.0, 10.0), -1.3 * 4.0),
-            (slower(20.0, 0.85 * 9.0, 16.0), -4.0),
-        ] {
+        for (scene, expected) in
+            [(slower(30.0, 52.0, 10.0), -1.3 * 4.0), (slower(20.0, 0.85 * 9.0, 16.0), -4.0)]
+        {
             let found = given(&mut EmergencyBrake::default(), &scene, &[Some(0)]);
             assert!((found - expected).abs() < 1e-9, "{found}");
         }

@@ -93,20 +93,14 @@ mod tests {
 
     #[test]
     fn the_papers_rule_stays_out_of_the_way_at_the_gap_where_people_pass() {
-        let lead = Lead {
-            gap_m: 45.0,
-            speed_mps: 27.0,
-        };
+        let lead = Lead { gap_m: 45.0, speed_mps: 27.0 };
         let wanted = following_acceleration(&paper(), 40.0, 30.0, lead, 0.3);
         assert!((wanted - 0.3).abs() < 1e-12);
     }
 
     #[test]
     fn no_asked_gap_is_kept_below_the_safe_distance() {
-        let lead = Lead {
-            gap_m: 15.0,
-            speed_mps: 28.0,
-        };
+        let lead = Lead { gap_m: 15.0, speed_mps: 28.0 };
         let kept = kept_distance_m(&ASKED, 0.0, 30.0, lead);
         assert!((kept - safety::safe_distance_m(&ASKED, 30.0, 28.0) - 2.0).abs() < 1e-12);
         for settings in [ASKED.clone(), paper()] {
@@ -116,25 +110,16 @@ mod tests {
 
     #[test]
     fn at_the_asked_gap_and_equal_speeds_it_asks_for_nothing() {
-        let lead = Lead {
-            gap_m: 14.9,
-            speed_mps: 10.0,
-        };
+        let lead = Lead { gap_m: 14.9, speed_mps: 10.0 };
         for settings in [ASKED.clone(), paper()] {
-            let near = ControllerSettings {
-                following_threshold_m: 30.0,
-                ..settings
-            };
+            let near = ControllerSettings { following_threshold_m: 30.0, ..settings };
             assert!(following_acceleration(&near, 14.9, 10.0, lead, 2.0).abs() < 1e-12);
         }
     }
 
     #[test]
     fn it_never_asks_for_more_than_the_velocity_controller() {
-        let far = Lead {
-            gap_m: 150.0,
-            speed_mps: 33.0,
-        };
+        let far = Lead { gap_m: 150.0, speed_mps: 33.0 };
         assert!((following_acceleration(&ASKED, 40.0, 30.0, far, 0.1) - 0.1).abs() < 1e-12);
     }
 
@@ -142,10 +127,7 @@ mod tests {
     fn the_papers_hand_over_does_not_jump() {
         let mut last = None;
         for tenth in 0..600 {
-            let lead = Lead {
-                gap_m: 60.0 - 0.1 * f64::from(tenth),
-                speed_mps: 26.0,
-            };
+            let lead = Lead { gap_m: 60.0 - 0.1 * f64::from(tenth), speed_mps: 26.0 };
             let wanted = following_acceleration(&paper(), 40.0, 30.0, lead, 0.5);
             if let Some(last) = last.replace(wanted) {
                 assert!((wanted - last).abs() < 0.15);

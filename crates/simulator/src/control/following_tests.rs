@@ -29,11 +29,7 @@ fn driven(settings: ScenarioSettings, [before, after]: [(f64, f64); 2]) -> Rollo
     let mut planner = |view: &View<'_>| {
         let stepped = view.scene.time_s >= STEP_AT_S;
         let (speed_mps, following_distance_m) = if stepped { after } else { before };
-        Setpoints {
-            speed_mps,
-            following_distance_m,
-            wish: LaneWish::Stay,
-        }
+        Setpoints { speed_mps, following_distance_m, wish: LaneWish::Stay }
     };
     let driver = Driver::Automated(&mut planner, &scenario.settings().controllers);
     rollout(&scenario, driver, 1).unwrap().completed().unwrap()
@@ -47,11 +43,7 @@ fn gap_m(mut settings: ScenarioSettings, before_m: f64, after_m: f64) -> Answer 
     let (ego, lead) = (driven.recording.ego(), &driven.recording.others()[0]);
     let length_m = 0.5 * (ego.length_m + lead.length_m);
     let both = ego.x_m.iter().zip(&lead.x_m);
-    Answer::of(
-        &both
-            .map(|(ego, lead)| lead - ego - length_m)
-            .collect::<Vec<_>>(),
-    )
+    Answer::of(&both.map(|(ego, lead)| lead - ego - length_m).collect::<Vec<_>>())
 }
 
 /// How a value answers a step.
@@ -71,15 +63,10 @@ impl Answer {
     fn of(values: &[f64]) -> Self {
         let step = (STEP_AT_S * PLANNING_RATE_HZ).round() as usize;
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-        let (start, end) = (
-            mean(&values[step - 40..step]),
-            mean(&values[values.len() - 40..]),
-        );
+        let (start, end) = (mean(&values[step - 40..step]), mean(&values[values.len() - 40..]));
         let values = values[step..].to_vec();
         let past = values.iter().map(|v| (v - end) / (end - start));
-        let outside = values
-            .iter()
-            .rposition(|v| (v - end).abs() > 0.05 * (end - start).abs());
+        let outside = values.iter().rposition(|v| (v - end).abs() > 0.05 * (end - start).abs());
         Self {
             overshoot: past.fold(0.0, f64::max),
             settled_s: outside.map_or(0.0, |row| (row + 1) as f64 / PLANNING_RATE_HZ),

@@ -36,14 +36,8 @@ mod tests {
     use crate::{control::following_acceleration, scenario::FollowingRule, testing::AT_ONCE};
 
     fn wanted(gap_m: f64, ego_mps: f64, cruise_mps2: f64) -> f64 {
-        let settings = ControllerSettings {
-            following_rule: FollowingRule::Idm,
-            ..AT_ONCE.clone()
-        };
-        let lead = Lead {
-            gap_m,
-            speed_mps: 20.0,
-        };
+        let settings = ControllerSettings { following_rule: FollowingRule::Idm, ..AT_ONCE.clone() };
+        let lead = Lead { gap_m, speed_mps: 20.0 };
         following_acceleration(&settings, 30.0, ego_mps, lead, cruise_mps2)
     }
 

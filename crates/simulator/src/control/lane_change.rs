@@ -46,9 +46,8 @@ pub(super) fn duration_s(
         return Some(longest);
     }
     let meets_in = room / closing;
-    let duration = (settings.change_time_factor * meets_in)
-        .max(settings.change_shortest_s)
-        .min(longest);
+    let duration =
+        (settings.change_time_factor * meets_in).max(settings.change_shortest_s).min(longest);
     (meets_in > 0.5 * duration).then_some(duration)
 }
 
@@ -97,22 +96,14 @@ mod tests {
     static SETTINGS: LazyLock<ControllerSettings> = LazyLock::new(ControllerSettings::default);
 
     fn lead(gap_m: f64, speed_mps: f64) -> Neighbour {
-        let vehicle = VehicleState {
-            id: VehicleId(1),
-            x_m: 0.0,
-            y_m: 0.0,
-            speed_mps,
-            length_m: 4.7,
-        };
+        let vehicle =
+            VehicleState { id: VehicleId(1), x_m: 0.0, y_m: 0.0, speed_mps, length_m: 4.7 };
         Neighbour { vehicle, gap_m }
     }
 
     #[test]
     fn a_change_is_quicker_near_the_lead_and_refused_too_near() {
-        assert_eq!(
-            duration_s(&SETTINGS, 30.0, Some(lead(60.0, 27.0))),
-            Some(4.8)
-        );
+        assert_eq!(duration_s(&SETTINGS, 30.0, Some(lead(60.0, 27.0))), Some(4.8));
         let quick = duration_s(&SETTINGS, 30.0, Some(lead(13.0, 25.0))).unwrap();
         assert!((quick - 3.0).abs() < 1e-9, "{quick}");
         assert_eq!(duration_s(&SETTINGS, 30.0, Some(lead(8.0, 25.0))), None);
@@ -151,21 +142,14 @@ mod tests {
         };
         assert!(safe(19.1, 27.1, [None; 3]));
         assert!(!safe(18.9, 27.1, [None; 3]) && !safe(19.1, 26.9, [None; 3]));
-        assert!(
-            !safe(19.1, 27.1, [None, None, Some(1)]),
-            "the third means to go there"
-        );
+        assert!(!safe(19.1, 27.1, [None, None, Some(1)]), "the third means to go there");
     }
 
     #[test]
     fn with_nobody_to_pass_the_car_goes_back_after_a_while_where_there_is_room() {
         let road = Road::PAPER;
         let free = Reference::free_road(&road);
-        let passed = |dy_m: f64| Reference {
-            vehicle: Some(VehicleId(1)),
-            dy_m,
-            ..free
-        };
+        let passed = |dy_m: f64| Reference { vehicle: Some(VehicleId(1)), dy_m, ..free };
         let steps = |y_m: f64, ahead_m: f64, reference: Reference| {
             let scene = scene(y_m, 20.0, &[other(1, ahead_m, 0.0, 20.0)]);
             let mut rule = ReturnRule::default();
@@ -174,11 +158,7 @@ mod tests {
         // Above 8 s; 4 s at 20 m/s must be free on the right.
         assert_eq!(steps(3.66, 80.1, free), Some(17));
         assert_eq!(steps(3.66, 80.0, free), None);
-        assert_eq!(
-            steps(3.66, 80.1, passed(0.0)),
-            Some(17),
-            "ahead in the same lane"
-        );
+        assert_eq!(steps(3.66, 80.1, passed(0.0)), Some(17), "ahead in the same lane");
         assert_eq!(steps(3.66, 80.1, passed(-3.66)), None);
         assert_eq!(steps(0.0, 80.1, free), None);
         // Whoever is passed meanwhile starts the time anew.

@@ -55,13 +55,8 @@ mod tests {
     static SETTINGS: LazyLock<ControllerSettings> = LazyLock::new(ControllerSettings::default);
 
     fn lead(id: u32, gap_m: f64, speed_mps: f64) -> Neighbour {
-        let vehicle = VehicleState {
-            id: VehicleId(id),
-            x_m: gap_m,
-            y_m: 0.0,
-            speed_mps,
-            length_m: 4.7,
-        };
+        let vehicle =
+            VehicleState { id: VehicleId(id), x_m: gap_m, y_m: 0.0, speed_mps, length_m: 4.7 };
         Neighbour { vehicle, gap_m }
     }
 
@@ -71,9 +66,7 @@ mod tests {
         let gap_m = (0.5 + 0.5 * SETTINGS.passing_least_share) * safe_m;
         let mut up = DrivingUp::default();
         let rows = |up: &mut DrivingUp, id| {
-            (0..1000)
-                .take_while(|_| up.may(&SETTINGS, 30.0, &lead(id, gap_m, 28.0)))
-                .count()
+            (0..1000).take_while(|_| up.may(&SETTINGS, 30.0, &lead(id, gap_m, 28.0))).count()
         };
         let most = (SETTINGS.passing_inside_s / PLANNING_STEP_S) as usize;
         assert!(rows(&mut up, 1).abs_diff(most) <= 1);

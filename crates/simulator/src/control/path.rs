@@ -26,18 +26,8 @@ impl Bezier {
         let handle = HANDLE * length_m;
         let end = from.0 + length_m;
         Self {
-            x: [
-                from.0,
-                from.0 + handle * libm::cos(heading_rad),
-                end - handle,
-                end,
-            ],
-            y: [
-                from.1,
-                from.1 + handle * libm::sin(heading_rad),
-                target_y_m,
-                target_y_m,
-            ],
+            x: [from.0, from.0 + handle * libm::cos(heading_rad), end - handle, end],
+            y: [from.1, from.1 + handle * libm::sin(heading_rad), target_y_m, target_y_m],
         }
     }
 
@@ -153,14 +143,7 @@ pub struct Steering {
 impl Steering {
     /// Keeps `lane` (the right one is 0) on lanes of this width (m); `gain_per_s` is Stanley's gain on the distance to the path.
     pub fn new(lane_width_m: f64, gain_per_s: f64, lane: u8, shape: PathShape) -> Self {
-        Self {
-            lane_width_m,
-            gain_per_s,
-            lane,
-            shape,
-            offset_m: 0.0,
-            change: None,
-        }
+        Self { lane_width_m, gain_per_s, lane, shape, offset_m: 0.0, change: None }
     }
 
     /// The lane kept, or the one a change goes to.
@@ -210,17 +193,11 @@ impl Steering {
             PathShape::Bezier => {
                 Curve::Bezier(Bezier::new(from, car.heading_rad, length_m, target_y_m))
             }
-            PathShape::Eased { lateness } => Curve::Eased(Eased {
-                from,
-                to: (from.0 + length_m, target_y_m),
-                lateness,
-            }),
+            PathShape::Eased { lateness } => {
+                Curve::Eased(Eased { from, to: (from.0 + length_m, target_y_m), lateness })
+            }
         };
-        self.change = Some(Change {
-            from: self.lane,
-            start_x_m: car.x_m,
-            curve,
-        });
+        self.change = Some(Change { from: self.lane, start_x_m: car.x_m, curve });
         self.lane = lane;
     }
 
@@ -263,10 +240,8 @@ mod tests {
 
     fn cars(speed_mps: f64) -> [Box<dyn Vehicle>; 2] {
         [VehicleModel::Kinematic, VehicleModel::Dynamic].map(|model| {
-            let settings = VehicleSettings {
-                model,
-                ..Scenario::paper().settings().vehicle.clone()
-            };
+            let settings =
+                VehicleSettings { model, ..Scenario::paper().settings().vehicle.clone() };
             build(&settings, 0.0, speed_mps)
         })
     }
@@ -276,38 +251,25 @@ mod tests {
         let line = CentreLine::default();
         for _ in 0..(seconds * 100.0) as usize {
             let steering_rad = steering.angle_rad(car, &line);
-            let command = Command {
-                acceleration_mps2: 0.0,
-                steering_rad,
-            };
+            let command = Command { acceleration_mps2: 0.0, steering_rad };
             car.step(command, &line);
             furthest = furthest.max(car.pose().y_m);
         }
         furthest
     }
 
-    const OUT: Manoeuvre = Manoeuvre::Change {
-        lane: 1,
-        duration_s: 4.8,
-    };
+    const OUT: Manoeuvre = Manoeuvre::Change { lane: 1, duration_s: 4.8 };
 
     #[test]
     fn a_lane_change_ends_in_the_lane_centre_without_swinging_past_it() {
         for (speed, duration_s) in [(15.0, 4.8), (30.0, 4.8), (38.0, 2.5), (30.0, 2.5)] {
             for mut car in cars(speed) {
                 let mut steering = Steering::new(3.66, 1.5, 0, PathShape::Bezier);
-                let out = Manoeuvre::Change {
-                    lane: 1,
-                    duration_s,
-                };
+                let out = Manoeuvre::Change { lane: 1, duration_s };
                 steering.begin(out, car.pose());
                 let furthest = drive(car.as_mut(), &mut steering, duration_s + 4.0);
                 let end = car.pose();
-                assert!(
-                    (end.y_m - 3.66).abs() < 0.05,
-                    "{speed} {duration_s}: {}",
-                    end.y_m
-                );
+                assert!((end.y_m - 3.66).abs() < 0.05, "{speed} {duration_s}: {}", end.y_m);
                 assert!(furthest < 3.66 + 0.35, "{speed} {duration_s}: {furthest}");
                 assert!(end.heading_rad.abs() < 0.005 && steering.coming_from().is_none());
             }
@@ -370,10 +332,7 @@ mod tests {
                 assert!(acceleration.iter().all(|a| a.abs() < 2.0), "{speed}");
                 // Over a tenth of a second.
                 let jerk = acceleration.iter().zip(&acceleration[10..]);
-                assert!(
-                    jerk.clone().all(|(a, b)| (b - a).abs() / 0.1 < 20.0),
-                    "{speed}"
-                );
+                assert!(jerk.clone().all(|(a, b)| (b - a).abs() / 0.1 < 20.0), "{speed}");
             }
         }
     }

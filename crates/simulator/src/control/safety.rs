@@ -76,9 +76,6 @@ mod tests {
         // Within 0.3 s they are 0.06 m/s faster; then each brakes by 0.8 m/s².
         let reacting = 0.3 * (1.03 + 0.53);
         let stopping = (1.06 * 1.06 + 0.56 * 0.56) / 1.6;
-        assert!(
-            (found - (0.2 + reacting + stopping)).abs() < 1e-12,
-            "{found}"
-        );
+        assert!((found - (0.2 + reacting + stopping)).abs() < 1e-12, "{found}");
     }
 }

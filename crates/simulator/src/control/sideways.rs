@@ -35,9 +35,7 @@ impl Sideways {
             let speed = before.map_or(0.0, |&(_, y_m)| (v.y_m - y_m) / PLANNING_STEP_S);
             let current = road.lane_at(v.y_m);
             let lane = if speed > DRIFT_MPS {
-                current
-                    .and_then(|current| current.checked_add(1))
-                    .filter(|&lane| lane < road.lanes)
+                current.and_then(|current| current.checked_add(1)).filter(|&lane| lane < road.lanes)
             } else if speed < -DRIFT_MPS {
                 current.and_then(|current| current.checked_sub(1))
             } else {
@@ -49,8 +47,7 @@ impl Sideways {
             }));
         }
         self.last.clear();
-        self.last
-            .extend(scene.vehicles.iter().map(|v| (v.id, v.y_m)));
+        self.last.extend(scene.vehicles.iter().map(|v| (v.id, v.y_m)));
     }
 
     /// The lane that each vehicle of the scene is about to take, in the scene's order.

@@ -32,9 +32,7 @@ impl VelocityController {
         } else {
             self.integral_mps2 *= 1.0 - step_s;
         }
-        self.integral_mps2 = self
-            .integral_mps2
-            .clamp(-INTEGRAL_LIMIT_MPS2, INTEGRAL_LIMIT_MPS2);
+        self.integral_mps2 = self.integral_mps2.clamp(-INTEGRAL_LIMIT_MPS2, INTEGRAL_LIMIT_MPS2);
         settings.velocity_gain_per_s * error + self.integral_mps2
     }
 }
@@ -71,18 +69,12 @@ mod tests {
                 let wanted = controller.command(&settings, to, car.pose().speed_mps, true, 0.05);
                 command = bounded_jerk(&settings, command, wanted.clamp(-8.0, 3.0), 0.05);
                 for _ in 0..5 {
-                    let command = Command {
-                        acceleration_mps2: command,
-                        steering_rad: 0.0,
-                    };
+                    let command = Command { acceleration_mps2: command, steering_rad: 0.0 };
                     car.step(command, &CentreLine::default());
                 }
                 furthest = furthest.max(sign * (car.pose().speed_mps - to));
                 if tick > 400 {
-                    assert!(
-                        (car.pose().speed_mps - to).abs() < 0.2,
-                        "{from} {to} {tick}"
-                    );
+                    assert!((car.pose().speed_mps - to).abs() < 0.2, "{from} {to} {tick}");
                 }
             }
             assert!(furthest < 0.6, "{from} -> {to}: {furthest}");
@@ -120,12 +112,9 @@ mod tests {
     #[test]
     fn an_acceleration_changes_by_the_bound_at_most() {
         let settings = ControllerSettings::default();
-        for (last, wanted, expected) in [
-            (0.0, 1.0, 0.2),
-            (0.0, -1.0, -0.2),
-            (0.0, 0.1, 0.1),
-            (1.0, 0.0, 0.8),
-        ] {
+        for (last, wanted, expected) in
+            [(0.0, 1.0, 0.2), (0.0, -1.0, -0.2), (0.0, 0.1, 0.1), (1.0, 0.0, 0.8)]
+        {
             assert!((bounded_jerk(&settings, last, wanted, 0.05) - expected).abs() < 1e-12);
         }
     }

@@ -66,13 +66,8 @@ pub fn population_table(population: &Population, n: usize, seed: u64) -> Vec<Dis
         let person_seed = stream_seed(seed, &["population", &i.to_string()]);
         let mut rng = Pcg64Mcg::seed_from_u64(person_seed);
         let traits = LatentTraits::draw(|| standard_normal(&mut rng));
-        let day = |name| {
-            population.draw(
-                &traits,
-                person_seed,
-                stream_seed(person_seed, &["day", name]),
-            )
-        };
+        let day =
+            |name| population.draw(&traits, person_seed, stream_seed(person_seed, &["day", name]));
         [day("first"), day("second")]
     };
     let people: Vec<[DriverParams; 2]> = (0..n).map(person).collect();
@@ -114,10 +109,7 @@ fn summary(
     let n = first.len();
     let mean = mean_of(first);
     let free = (n - 1) as f64;
-    let (var1, var2) = (
-        sum_of_products(first, first),
-        sum_of_products(second, second),
-    );
+    let (var1, var2) = (sum_of_products(first, first), sum_of_products(second, second));
     let mut sorted = first.to_vec();
     sorted.sort_by(f64::total_cmp);
     let quantile = |q: f64| {

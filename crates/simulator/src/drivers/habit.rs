@@ -67,11 +67,7 @@ const LATENT_LIMIT: f64 = 10.0;
 
 /// A latent as a law reads it: within the limit, and 0 if it is not a number.
 pub(super) fn latent(value: f64) -> f64 {
-    if value.is_nan() {
-        0.0
-    } else {
-        value.clamp(-LATENT_LIMIT, LATENT_LIMIT)
-    }
+    if value.is_nan() { 0.0 } else { value.clamp(-LATENT_LIMIT, LATENT_LIMIT) }
 }
 
 /// Refuses bounds of the law `name` outside `range`, or the wrong way round.

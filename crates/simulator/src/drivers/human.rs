@@ -59,11 +59,7 @@ impl<'a> HumanDriver<'a> {
                 wander(noise.gap_error_sd, noise.gap_error_time_s, "perception"),
                 noise.delay_s,
             ),
-            wander: wander(
-                noise.speed_wander_sd_mps,
-                noise.speed_wander_time_s,
-                "wander",
-            ),
+            wander: wander(noise.speed_wander_sd_mps, noise.speed_wander_time_s, "wander"),
             passing: Passing::new(params, stream("encounters")),
             passed: None,
         }
@@ -99,10 +95,8 @@ impl<'a> HumanDriver<'a> {
         } else {
             self.in_a_passing_lane(scene, lane, keeping, error, &mut follow)
         };
-        follow.idm.desired_speed_mps = follow
-            .idm
-            .desired_speed_mps
-            .min(bend_mps.max(caution::SLOWEST_MPS));
+        follow.idm.desired_speed_mps =
+            follow.idm.desired_speed_mps.min(bend_mps.max(caution::SLOWEST_MPS));
         let wanted = follow.acceleration_mps2(speed, seen);
         let braking = caution::emergency_braking_mps2(scene, self.vehicle.width_m);
         Action {
@@ -129,11 +123,7 @@ impl<'a> HumanDriver<'a> {
         {
             return None;
         }
-        follow.idm.time_gap_s = follow
-            .idm
-            .time_gap_s
-            .min(0.5 * pass_at_s)
-            .max(SHORTEST_TIME_GAP_S);
+        follow.idm.time_gap_s = follow.idm.time_gap_s.min(0.5 * pass_at_s).max(SHORTEST_TIME_GAP_S);
         follow.gap_factor = ABOUT_TO_PASS;
         let near = seen?.gap_m < pass_at_s * speed;
         if !(near && keeping) {
@@ -141,10 +131,7 @@ impl<'a> HumanDriver<'a> {
         }
         self.passing.begin(self.params);
         self.passed = lead.map(|n| n.vehicle.id);
-        Some(Manoeuvre::Change {
-            lane: left,
-            duration_s: self.params.lane_change_s,
-        })
+        Some(Manoeuvre::Change { lane: left, duration_s: self.params.lane_change_s })
     }
 
     fn in_a_passing_lane(
@@ -155,20 +142,14 @@ impl<'a> HumanDriver<'a> {
         error: f64,
         follow: &mut Following,
     ) -> Option<Manoeuvre> {
-        let passed = scene
-            .vehicles
-            .iter()
-            .find(|v| Some(v.id) == self.passed)
-            .map_or(0.0, |v| v.speed_mps);
+        let passed =
+            scene.vehicles.iter().find(|v| Some(v.id) == self.passed).map_or(0.0, |v| v.speed_mps);
         // Whoever is passed may speed up; nobody races them for longer than they would pass anybody.
         let usual = follow.idm.desired_speed_mps + self.params.passing_speed_added_mps;
         let over = self.params.passing_speed_over_lead_mps;
         follow.idm.desired_speed_mps = usual.max((passed + over).min(usual + over));
         let right = lane - 1;
         let back = keeping && self.passing.merges_back(scene, &self.road, right, error);
-        back.then_some(Manoeuvre::Change {
-            lane: right,
-            duration_s: self.params.lane_change_s,
-        })
+        back.then_some(Manoeuvre::Change { lane: right, duration_s: self.params.lane_change_s })
     }
 }

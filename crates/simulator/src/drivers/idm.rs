@@ -26,11 +26,8 @@ pub(crate) struct SeenLead {
 impl Following {
     /// Acceleration wanted at `speed_mps`, in m/s², never below -8.
     pub(crate) fn acceleration_mps2(&self, speed_mps: f64, lead: Option<SeenLead>) -> f64 {
-        let (gap_m, lead_mps) = lead.map_or((f64::INFINITY, speed_mps), |lead| {
-            (lead.gap_m, speed_mps - lead.closing_mps)
-        });
-        self.idm
-            .improved_accel_mps2(gap_m, speed_mps, lead_mps, self.gap_factor)
-            .max(-HARDEST_MPS2)
+        let (gap_m, lead_mps) = lead
+            .map_or((f64::INFINITY, speed_mps), |lead| (lead.gap_m, speed_mps - lead.closing_mps));
+        self.idm.improved_accel_mps2(gap_m, speed_mps, lead_mps, self.gap_factor).max(-HARDEST_MPS2)
     }
 }

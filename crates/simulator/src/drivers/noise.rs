@@ -17,12 +17,7 @@ impl OrnsteinUhlenbeck {
     pub fn new(sd: f64, time_s: f64, step_s: f64, mut rng: Pcg64Mcg) -> Self {
         let keep = libm::exp(-step_s / time_s);
         let first = standard_normal(&mut rng);
-        Self {
-            keep,
-            kick: sd * (1.0 - keep * keep).sqrt(),
-            value: sd * first,
-            rng,
-        }
+        Self { keep, kick: sd * (1.0 - keep * keep).sqrt(), value: sd * first, rng }
     }
 
     /// The next sample.
@@ -48,9 +43,6 @@ mod tests {
         assert!((variance.sqrt() - 0.4).abs() < 0.03, "{variance}");
         let lagged: f64 = values.iter().zip(&values[400..]).map(|(a, b)| a * b).sum();
         let correlation = lagged / n / variance;
-        assert!(
-            (correlation - (-1.0_f64).exp()).abs() < 0.08,
-            "{correlation}"
-        );
+        assert!((correlation - (-1.0_f64).exp()).abs() < 0.08, "{correlation}");
     }
 }

@@ -33,11 +33,7 @@ pub(super) struct Passing {
 
 impl Passing {
     pub(super) fn new(params: &DriverParams, rng: Pcg64Mcg) -> Self {
-        Self {
-            rng,
-            encounter: None,
-            merge_back_time_gap_s: params.merge_back_time_gap_s,
-        }
+        Self { rng, encounter: None, merge_back_time_gap_s: params.merge_back_time_gap_s }
     }
 
     fn normal(&mut self) -> f64 {
@@ -142,11 +138,7 @@ mod tests {
 
     /// Somebody who passes at 2 s for 3 m/s, half a m/s less for each second behind, merges back at 1.5 s, and is always the same.
     fn person() -> (DriverParams, Passing) {
-        let traits = LatentTraits {
-            aggressiveness: 0.0,
-            spacing: 0.0,
-            pace: 0.0,
-        };
+        let traits = LatentTraits { aggressiveness: 0.0, spacing: 0.0, pace: 0.0 };
         let mut params = DriverParams::draw(&traits, 1, 1);
         params.desired_speed_mps = 30.0;
         params.passing_time_gap_s = 2.0;

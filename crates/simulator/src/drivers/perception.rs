@@ -47,10 +47,7 @@ impl Perception {
     ) -> Option<SeenLead> {
         let now = ahead.map(|n| Glance {
             id: n.vehicle.id,
-            lead: SeenLead {
-                gap_m: n.gap_m,
-                closing_mps: ego_mps - n.vehicle.speed_mps,
-            },
+            lead: SeenLead { gap_m: n.gap_m, closing_mps: ego_mps - n.vehicle.speed_mps },
         });
         self.seen.push_back(now);
         while self.seen.len() > self.delay_rows + 1 {
@@ -59,10 +56,7 @@ impl Perception {
         let now = now?;
         let then = self.seen.iter().flatten().find(|g| g.id == now.id);
         let lead = then.unwrap_or(&now).lead;
-        Some(SeenLead {
-            gap_m: lead.gap_m * error,
-            closing_mps: lead.closing_mps,
-        })
+        Some(SeenLead { gap_m: lead.gap_m * error, closing_mps: lead.closing_mps })
     }
 }
 

@@ -86,17 +86,7 @@ settings! {
 fn law(centre: f64, scale: f64, loadings: [f64; 4], day: f64, range: [f64; 2]) -> Law {
     let [a, b, c, own] = loadings;
     let [lowest, highest] = range;
-    Law {
-        centre,
-        scale,
-        a,
-        b,
-        c,
-        own,
-        day,
-        lowest,
-        highest,
-    }
+    Law { centre, scale, a, b, c, own, day, lowest, highest }
 }
 
 people! {
@@ -192,11 +182,7 @@ impl Population {
     /// # Source
     /// Calibration section 2.
     pub fn draw(&self, traits: &LatentTraits, person_seed: u64, day_seed: u64) -> DriverParams {
-        self.person(&Draw {
-            traits: *traits,
-            person_seed,
-            day_seed,
-        })
+        self.person(&Draw { traits: *traits, person_seed, day_seed })
     }
 }
 
@@ -205,38 +191,19 @@ mod tests {
     use super::*;
     use crate::scenario::setting::check_section;
 
-    const CALM: LatentTraits = LatentTraits {
-        aggressiveness: -1.9,
-        spacing: 0.3,
-        pace: 0.2,
-    };
+    const CALM: LatentTraits = LatentTraits { aggressiveness: -1.9, spacing: 0.3, pace: 0.2 };
 
     #[test]
     fn the_same_person_on_the_same_day_is_the_same() {
-        assert_eq!(
-            DriverParams::draw(&CALM, 1, 2),
-            DriverParams::draw(&CALM, 1, 2)
-        );
-        assert_ne!(
-            DriverParams::draw(&CALM, 1, 2),
-            DriverParams::draw(&CALM, 1, 3)
-        );
-        assert_ne!(
-            DriverParams::draw(&CALM, 1, 2),
-            DriverParams::draw(&CALM, 2, 2)
-        );
+        assert_eq!(DriverParams::draw(&CALM, 1, 2), DriverParams::draw(&CALM, 1, 2));
+        assert_ne!(DriverParams::draw(&CALM, 1, 2), DriverParams::draw(&CALM, 1, 3));
+        assert_ne!(DriverParams::draw(&CALM, 1, 2), DriverParams::draw(&CALM, 2, 2));
     }
 
     #[test]
     fn the_same_person_in_an_aggressive_role_is_faster_and_closer() {
-        let wild = LatentTraits {
-            aggressiveness: 1.9,
-            ..CALM
-        };
-        let (calm, wild) = (
-            DriverParams::draw(&CALM, 1, 2),
-            DriverParams::draw(&wild, 1, 2),
-        );
+        let wild = LatentTraits { aggressiveness: 1.9, ..CALM };
+        let (calm, wild) = (DriverParams::draw(&CALM, 1, 2), DriverParams::draw(&wild, 1, 2));
         assert!(wild.desired_speed_mps > calm.desired_speed_mps + 4.0);
         assert!(wild.passing_time_gap_s < calm.passing_time_gap_s);
         assert!(wild.merge_back_time_gap_s < calm.merge_back_time_gap_s);
@@ -252,9 +219,7 @@ mod tests {
                     spacing: normal("b"),
                     pace: normal("c"),
                 };
-                DriverParams::draw(&traits, seed, seed)
-                    .desired_speed()
-                    .mph()
+                DriverParams::draw(&traits, seed, seed).desired_speed().mph()
             })
             .collect();
         let mean = speeds.iter().sum::<f64>() / 1000.0;
@@ -277,11 +242,7 @@ mod tests {
 
     #[test]
     fn latents_that_are_no_numbers_give_a_driver_all_the_same() {
-        let odd = LatentTraits {
-            aggressiveness: f64::NAN,
-            spacing: f64::INFINITY,
-            pace: -1e300,
-        };
+        let odd = LatentTraits { aggressiveness: f64::NAN, spacing: f64::INFINITY, pace: -1e300 };
         let driver = DriverParams::draw(&odd, 1, 1);
         assert!(driver.desired_speed_mps.is_finite() && driver.merge_back_time_gap_s >= 0.55);
     }

@@ -104,8 +104,7 @@ impl AroundEgo {
             *slot = Some(lane);
         }
         let front_m = ego.x_m + 0.5 * ego.length_m + self.origin_m;
-        self.flow
-            .place_guest(EGO, lanes, front_m, ego.speed_mps, ego.length_m);
+        self.flow.place_guest(EGO, lanes, front_m, ego.speed_mps, ego.length_m);
     }
 
     /// Moves everybody on by one row, and notes who is in sight then.

@@ -97,8 +97,7 @@ impl Flow {
         for (lane, entries) in self.lanes.iter().enumerate() {
             let leaving = entries.role.iter().enumerate();
             for (i, _) in leaving.filter(|(_, role)| **role == Role::Leaving) {
-                self.pairs
-                    .push((entries.id[i], [(usize::MAX, 0), (lane, i)]));
+                self.pairs.push((entries.id[i], [(usize::MAX, 0), (lane, i)]));
             }
         }
         for (id, [drives, (left, i)]) in &mut self.pairs {
@@ -134,18 +133,11 @@ impl Flow {
             let driver = departure.driver;
             let first = (self.lanes[lane].len() > 0).then(|| {
                 let entries = &self.lanes[lane];
-                (
-                    entries.x[0] - entries.length[0] - driver.length_m,
-                    entries.v[0],
-                )
+                (entries.x[0] - entries.length[0] - driver.length_m, entries.v[0])
             });
             let speed = first.map_or(driver.desired_speed_mps, |(gap, v)| {
                 let minds = gap < MINDS_M;
-                if minds {
-                    v.min(driver.desired_speed_mps)
-                } else {
-                    driver.desired_speed_mps
-                }
+                if minds { v.min(driver.desired_speed_mps) } else { driver.desired_speed_mps }
             });
             let room = driver.standstill_m + speed * driver.time_gap_s;
             if first.is_some_and(|(gap, _)| gap < room) {
@@ -162,11 +154,7 @@ impl Flow {
     /// Takes those past the end off an open road.
     pub(super) fn let_leave(&mut self) {
         for entries in &mut self.lanes {
-            while entries
-                .x
-                .last()
-                .is_some_and(|&x| x > self.settings.length_m)
-            {
+            while entries.x.last().is_some_and(|&x| x > self.settings.length_m) {
                 if entries.role.last() == Some(&Role::Guest) {
                     break;
                 }
@@ -195,9 +183,7 @@ impl Lane {
             }
         }
         // More than one only where entries share one x.
-        let mut same = (low..n)
-            .map(|rank| self.at(rank))
-            .take_while(|&i| self.x[i] <= x);
+        let mut same = (low..n).map(|rank| self.at(rank)).take_while(|&i| self.x[i] <= x);
         same.find(|&i| self.id[i] == id && self.role[i] == Role::Moving)
     }
 

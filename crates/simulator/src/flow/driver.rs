@@ -37,11 +37,7 @@ impl IdmDriver {
     };
 
     /// A truck: the same with v0 80 km/h and 12 m (chosen).
-    pub const TRUCK: Self = Self {
-        desired_speed_mps: 80.0 / 3.6,
-        length_m: 12.0,
-        ..Self::CAR
-    };
+    pub const TRUCK: Self = Self { desired_speed_mps: 80.0 / 3.6, length_m: 12.0, ..Self::CAR };
 
     /// This driver's law.
     pub(super) fn law(&self) -> Idm {

@@ -66,9 +66,7 @@ pub(super) struct Lane {
 /// Calls a macro for each column.
 macro_rules! columns {
     ($do:ident) => {
-        $do!(
-            x, v, acc, length, inv_v0, time_gap, standstill, a, inv_2sab, id, role, busy_until
-        )
+        $do!(x, v, acc, length, inv_v0, time_gap, standstill, a, inv_2sab, id, role, busy_until)
     };
 }
 
@@ -246,11 +244,8 @@ impl Lane {
         let wrap = if length.is_finite() { length } else { 0.0 };
         for i in 0..n {
             let after = v[i] + acc[i] * dt;
-            let moved = if after < 0.0 {
-                v[i] * v[i] / (-2.0 * acc[i])
-            } else {
-                0.5 * (v[i] + after) * dt
-            };
+            let moved =
+                if after < 0.0 { v[i] * v[i] / (-2.0 * acc[i]) } else { 0.5 * (v[i] + after) * dt };
             let there = x[i] + moved;
             x[i] = there - if there >= length { wrap } else { 0.0 };
             v[i] = after.max(0.0);

@@ -50,10 +50,7 @@ impl TrafficMix {
             let normal: f64 = standard_normal(rng);
             1.0 + spread * normal.clamp(-2.0, 2.0)
         };
-        let (speed, gap) = (
-            factor(self.desired_speed_spread),
-            factor(self.time_gap_spread),
-        );
+        let (speed, gap) = (factor(self.desired_speed_spread), factor(self.time_gap_spread));
         let mean = if truck { self.truck } else { self.car };
         IdmDriver {
             desired_speed_mps: mean.desired_speed_mps * speed,
@@ -140,11 +137,7 @@ pub fn departures(
                 break;
             }
             let driver = mix.draw(&mut rng);
-            departures.push(Departure {
-                time_s,
-                lane,
-                driver,
-            });
+            departures.push(Departure { time_s, lane, driver });
         }
     }
     departures.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.lane.cmp(&b.lane)));

@@ -107,11 +107,7 @@ impl Considering<'_> {
             if !its_turn || own.role[i] != Role::Moving || own.busy_until[i] > self.step {
                 continue;
             }
-            let gap = if n > 0 && rank == n && self.ends != Ends::Open {
-                0
-            } else {
-                rank
-            };
+            let gap = if n > 0 && rank == n && self.ends != Ends::Open { 0 } else { rank };
             if claimed.is_some_and(|(first, last)| first == gap || last == gap) {
                 continue;
             }

@@ -111,11 +111,7 @@ impl FlowSettings {
             self.check_lane(&section, placed.lane)?;
             let on_road = Range::Because(0.0, self.length_m.next_down(), "on the road");
             check(&format!("{section}.front_m"), placed.front_m, on_road)?;
-            check(
-                &format!("{section}.speed_mps"),
-                placed.speed_mps,
-                0.0..=70.0,
-            )?;
+            check(&format!("{section}.speed_mps"), placed.speed_mps, 0.0..=70.0)?;
         }
         let mut order: Vec<usize> = (0..vehicles.len()).collect();
         order.sort_by(|&i, &j| {

@@ -2,12 +2,7 @@ use super::*;
 use proptest::prelude::*;
 
 fn ring(lanes: u8, length_m: f64, count: usize, mobil: Option<Mobil>, seed: u64) -> Flow {
-    let settings = FlowSettings {
-        lanes,
-        length_m,
-        mobil,
-        ..FlowSettings::default()
-    };
+    let settings = FlowSettings { lanes, length_m, mobil, ..FlowSettings::default() };
     let vehicles = evenly(&settings, count, &TrafficMix::default(), seed).unwrap();
     Flow::new(settings, &vehicles, Vec::new()).unwrap()
 }
@@ -26,11 +21,7 @@ fn state(flow: &Flow) -> Vec<FlowVehicle> {
 
 #[test]
 fn a_homogeneous_ring_keeps_the_equilibrium_of_the_formula() {
-    let settings = FlowSettings {
-        lanes: 1,
-        mobil: None,
-        ..FlowSettings::default()
-    };
+    let settings = FlowSettings { lanes: 1, mobil: None, ..FlowSettings::default() };
     let mix = TrafficMix::alike(IdmDriver::CAR);
     // Sparse enough to be stable.
     let vehicles = evenly(&settings, 12, &mix, 1).unwrap();
@@ -48,18 +39,11 @@ fn nobody_collides_and_nobody_is_lost_over_an_hour_on_rings() {
         for step in 0..36_000 {
             flow.step();
             let gap = smallest_gap_m(&flow);
-            assert!(
-                gap > 0.0,
-                "{lanes} lanes, {per_km}/km: {gap} m at step {step}"
-            );
+            assert!(gap > 0.0, "{lanes} lanes, {per_km}/km: {gap} m at step {step}");
         }
         assert_eq!(flow.len(), count);
         let changed = flow.started_changes();
-        assert_eq!(
-            changed > 50,
-            lanes > 1,
-            "{lanes} lanes, {per_km}/km: {changed}"
-        );
+        assert_eq!(changed > 50, lanes > 1, "{lanes} lanes, {per_km}/km: {changed}");
     }
 }
 
@@ -108,18 +92,10 @@ fn a_step_allocates_nothing() {
 #[test]
 fn faster_drivers_pass_a_truck_where_there_is_a_second_lane() {
     let one_truck = |mobil| {
-        let settings = FlowSettings {
-            lanes: 2,
-            length_m: 3000.0,
-            mobil,
-            ..FlowSettings::default()
-        };
-        let place = |front_m: f64, driver: IdmDriver| Placed {
-            lane: 0,
-            front_m,
-            speed_mps: 22.0,
-            driver,
-        };
+        let settings =
+            FlowSettings { lanes: 2, length_m: 3000.0, mobil, ..FlowSettings::default() };
+        let place =
+            |front_m: f64, driver: IdmDriver| Placed { lane: 0, front_m, speed_mps: 22.0, driver };
         let mut vehicles = vec![place(1000.0, IdmDriver::TRUCK)];
         vehicles.extend((1..6).map(|i| place(980.0 - 50.0 * f64::from(i), IdmDriver::CAR)));
         let mut flow = Flow::new(settings, &vehicles, Vec::new()).unwrap();
@@ -149,17 +125,13 @@ fn a_change_goes_smoothly_from_lane_to_lane_in_its_time() {
                 continue;
             }
             changes += 1;
-            let way: Vec<f64> = (0..=40)
-                .map(|step| (path[start + step].1 - f64::from(from)).abs())
-                .collect();
+            let way: Vec<f64> =
+                (0..=40).map(|step| (path[start + step].1 - f64::from(from)).abs()).collect();
             assert!(way[0] < 0.01 && (way[40] - 1.0).abs() < 1e-9, "{way:?}");
             assert!((way[20] - 0.5).abs() < 0.06, "{way:?}");
             // The steepest of the way is 15/8 of its mean.
             let rises = way.windows(2).map(|w| w[1] - w[0]);
-            assert!(
-                rises.into_iter().all(|r| (0.0..0.05).contains(&r)),
-                "{way:?}"
-            );
+            assert!(rises.into_iter().all(|r| (0.0..0.05).contains(&r)), "{way:?}");
         }
     }
     assert!(changes > 20, "{changes}");
@@ -168,10 +140,7 @@ fn a_change_goes_smoothly_from_lane_to_lane_in_its_time() {
 #[test]
 fn a_bias_to_the_right_fills_the_right_lane() {
     let share_right = |keep_right_mps2| {
-        let mobil = Mobil {
-            keep_right_mps2,
-            ..Mobil::default()
-        };
+        let mobil = Mobil { keep_right_mps2, ..Mobil::default() };
         let mut flow = ring(2, 3000.0, 24, Some(mobil), 2);
         let mut right = 0;
         for _ in 0..6000 {
@@ -187,12 +156,8 @@ fn a_bias_to_the_right_fills_the_right_lane() {
 
 #[test]
 fn what_enters_an_open_road_leaves_it() {
-    let settings = FlowSettings {
-        lanes: 2,
-        length_m: 2000.0,
-        shape: Shape::Open,
-        ..FlowSettings::default()
-    };
+    let settings =
+        FlowSettings { lanes: 2, length_m: 2000.0, shape: Shape::Open, ..FlowSettings::default() };
     let coming = departures(&settings, 900.0, 600.0, &TrafficMix::default(), 1).unwrap();
     let total = coming.len();
     assert!((250..350).contains(&total), "{total}");
@@ -224,15 +189,10 @@ fn a_standing_guest_stops_its_lane_and_those_beside_it_pass() {
 #[test]
 fn a_guest_that_changes_lane_is_in_both_and_then_in_one() {
     let mut flow = ring(3, 1000.0, 30, Some(Mobil::default()), 4);
-    for (step, lanes) in [
-        [Some(0), None],
-        [Some(0), Some(1)],
-        [Some(1), None],
-        [None; 2],
-    ]
-    .into_iter()
-    .flat_map(|l| [l; 40])
-    .enumerate()
+    for (step, lanes) in [[Some(0), None], [Some(0), Some(1)], [Some(1), None], [None; 2]]
+        .into_iter()
+        .flat_map(|l| [l; 40])
+        .enumerate()
     {
         let x = 2000.0 + 2.0 * step as f64;
         flow.place_guest(3, lanes, x, 20.0, 4.7);
@@ -248,12 +208,7 @@ fn a_guest_that_changes_lane_is_in_both_and_then_in_one() {
 #[test]
 fn overlapping_vehicles_and_bad_numbers_are_refused_by_name() {
     let settings = FlowSettings::default();
-    let place = |front_m| Placed {
-        lane: 1,
-        front_m,
-        speed_mps: 10.0,
-        driver: IdmDriver::CAR,
-    };
+    let place = |front_m| Placed { lane: 1, front_m, speed_mps: 10.0, driver: IdmDriver::CAR };
     let refused = |settings: FlowSettings, vehicles: &[Placed], departures: Vec<Departure>| {
         let error = Flow::new(settings, vehicles, departures).unwrap_err();
         error.to_string()
@@ -265,25 +220,12 @@ fn overlapping_vehicles_and_bad_numbers_are_refused_by_name() {
     assert!(message.contains("`vehicles[1].gap_m` is -1"), "{message}");
     let message = refused(settings, &[place(f64::NAN)], Vec::new());
     assert!(message.contains("`vehicles[0].front_m`"), "{message}");
-    let still = FlowSettings {
-        step_s: 0.0,
-        ..settings
-    };
+    let still = FlowSettings { step_s: 0.0, ..settings };
     assert!(refused(still, &[], Vec::new()).contains("`flow.step_s`"));
-    let departure = Departure {
-        time_s: 0.0,
-        lane: 0,
-        driver: IdmDriver::CAR,
-    };
+    let departure = Departure { time_s: 0.0, lane: 0, driver: IdmDriver::CAR };
     assert!(refused(settings, &[], vec![departure]).contains("`departures[0].lane`"));
-    let open = FlowSettings {
-        shape: Shape::Open,
-        ..settings
-    };
-    let later = Departure {
-        time_s: 5.0,
-        ..departure
-    };
+    let open = FlowSettings { shape: Shape::Open, ..settings };
+    let later = Departure { time_s: 5.0, ..departure };
     assert!(refused(open, &[], vec![later, departure]).contains("`departures[1].time_s`"));
 }
 

@@ -127,8 +127,7 @@ impl CentreLine {
 
     /// Curvature κ at `x_m`, in 1/m; positive to the left.
     pub fn curvature_per_m(&self, x_m: f64) -> f64 {
-        self.find(x_m)
-            .map_or(0.0, |(_, i, along)| self.pieces[i].curvature(along))
+        self.find(x_m).map_or(0.0, |(_, i, along)| self.pieces[i].curvature(along))
     }
 
     /// Heading at `x_m`, in rad, 0 at the start, counter-clockwise and not wrapped.
@@ -151,10 +150,7 @@ impl CentreLine {
     /// ```
     pub fn map_pose(&self, x_m: f64, y_m: f64) -> MapPose {
         let centre = match self.find(x_m) {
-            None => MapPose {
-                x_m,
-                ..MapPose::default()
-            },
+            None => MapPose { x_m, ..MapPose::default() },
             Some((lap, i, along)) => {
                 let start = self.lap_start(lap);
                 let local = self.pieces[i].after(along);
@@ -167,11 +163,7 @@ impl CentreLine {
             }
         };
         let (sin, cos) = libm::sincos(centre.heading_rad);
-        MapPose {
-            x_m: centre.x_m - y_m * sin,
-            y_m: centre.y_m + y_m * cos,
-            ..centre
-        }
+        MapPose { x_m: centre.x_m - y_m * sin, y_m: centre.y_m + y_m * cos, ..centre }
     }
 
     /// Pose at the start of a lap: the lap's own displacement, turned by every lap before it, summed.
@@ -183,11 +175,8 @@ impl CentreLine {
         let mut pose = MapPose::default();
         let forward = lap >= 0.0;
         for k in 0..lap.abs() as usize {
-            let turn = if forward {
-                k as f64 * self.turn_rad
-            } else {
-                -(k as f64 + 1.0) * self.turn_rad
-            };
+            let turn =
+                if forward { k as f64 * self.turn_rad } else { -(k as f64 + 1.0) * self.turn_rad };
             let (sin, cos) = libm::sincos(turn);
             let sign = if forward { 1.0 } else { -1.0 };
             pose.x_m += sign * (cos * end.x_m - sin * end.y_m);
@@ -220,11 +209,7 @@ impl CentreLine {
         };
         let squared = |curvature: f64| {
             let curvature = curvature.abs();
-            if curvature > 0.0 {
-                lateral_mps2 / curvature
-            } else {
-                f64::INFINITY
-            }
+            if curvature > 0.0 { lateral_mps2 / curvature } else { f64::INFINITY }
         };
         let mut lowest = squared(self.pieces[index].curvature(along));
         // Within a piece the tightest place is an end; looking a second lap ahead covers short ones.
@@ -254,37 +239,22 @@ mod tests {
 
     const BEND: [Segment; 4] = [
         Segment::Straight { length_m: 300.0 },
-        Segment::Clothoid {
-            length_m: 120.0,
-            to_radius_m: Some(400.0),
-        },
-        Segment::Arc {
-            length_m: 250.0,
-            radius_m: 400.0,
-        },
-        Segment::Clothoid {
-            length_m: 120.0,
-            to_radius_m: None,
-        },
+        Segment::Clothoid { length_m: 120.0, to_radius_m: Some(400.0) },
+        Segment::Arc { length_m: 250.0, radius_m: 400.0 },
+        Segment::Clothoid { length_m: 120.0, to_radius_m: None },
     ];
 
     #[test]
     fn an_arc_ends_where_the_circle_does() {
         let quarter = 200.0 * FRAC_PI_2;
-        let line = CentreLine::new(&[Segment::Arc {
-            length_m: quarter,
-            radius_m: 200.0,
-        }]);
+        let line = CentreLine::new(&[Segment::Arc { length_m: quarter, radius_m: 200.0 }]);
         let end = line.map_pose(quarter - 1e-9, 0.0);
         assert!((end.x_m - 200.0).abs() < 1e-6 && (end.y_m - 200.0).abs() < 1e-6);
         assert!((end.heading_rad - FRAC_PI_2).abs() < 1e-9);
         // Four laps of a quarter are a ring; so are laps driven backward.
         for laps in [4.0, 8.0, -4.0] {
             let round = line.map_pose(laps * quarter + 1e-9, 0.0);
-            assert!(
-                round.x_m.abs() < 1e-6 && round.y_m.abs() < 1e-6,
-                "{round:?}"
-            );
+            assert!(round.x_m.abs() < 1e-6 && round.y_m.abs() < 1e-6, "{round:?}");
         }
     }
 
@@ -292,14 +262,8 @@ mod tests {
     fn a_clothoid_is_the_fresnel_integral() {
         let (length, radius) = (150.0, 300.0);
         let line = CentreLine::new(&[
-            Segment::Clothoid {
-                length_m: length,
-                to_radius_m: Some(radius),
-            },
-            Segment::Clothoid {
-                length_m: length,
-                to_radius_m: None,
-            },
+            Segment::Clothoid { length_m: length, to_radius_m: Some(radius) },
+            Segment::Clothoid { length_m: length, to_radius_m: None },
         ]);
         let end = line.map_pose(length, 0.0);
         // Series of the Fresnel integrals with τ = L / 2R: x = L Σ (−1)ⁿ τ²ⁿ / ((4n+1)(2n)!), y likewise.
@@ -372,11 +336,7 @@ mod tests {
                 assert!(braking < 1.5 + 1e-6, "{x}: {braking}");
             }
         }
-        assert!(
-            CentreLine::default()
-                .speed_limit_mps(0.0, 2.0, 1.5)
-                .is_infinite()
-        );
+        assert!(CentreLine::default().speed_limit_mps(0.0, 2.0, 1.5).is_infinite());
     }
 
     #[test]

@@ -69,15 +69,10 @@ impl Segment {
     /// Curvature at its end, in 1/m.
     pub(crate) fn ends_per_m(&self) -> f64 {
         match *self {
-            Self::Straight { .. }
-            | Self::Clothoid {
-                to_radius_m: None, ..
-            } => 0.0,
-            Self::Arc { radius_m, .. }
-            | Self::Clothoid {
-                to_radius_m: Some(radius_m),
-                ..
-            } => 1.0 / radius_m,
+            Self::Straight { .. } | Self::Clothoid { to_radius_m: None, .. } => 0.0,
+            Self::Arc { radius_m, .. } | Self::Clothoid { to_radius_m: Some(radius_m), .. } => {
+                1.0 / radius_m
+            }
         }
     }
 
@@ -95,10 +90,7 @@ impl Value for Segment {
         check(&format!("{name}.length_m"), self.length_m(), 1.0..=1e5)?;
         let (key, radius_m) = match *self {
             Self::Arc { radius_m, .. } => ("radius_m", radius_m),
-            Self::Clothoid {
-                to_radius_m: Some(radius_m),
-                ..
-            } => ("to_radius_m", radius_m),
+            Self::Clothoid { to_radius_m: Some(radius_m), .. } => ("to_radius_m", radius_m),
             _ => return Ok(()),
         };
         check(&format!("{name}.{key}"), radius_m.abs(), RADIUS)

@@ -26,21 +26,13 @@ fn drive(rollout: &Rollout) -> Drive {
 }
 
 fn person(a: f64, b: f64, c: f64, seed: u64) -> DriverParams {
-    let traits = LatentTraits {
-        aggressiveness: a,
-        spacing: b,
-        pace: c,
-    };
+    let traits = LatentTraits { aggressiveness: a, spacing: b, pace: c };
     DriverParams::draw(&traits, seed, seed)
 }
 
 /// Asks for the same at all times, and for its lane.
 fn always(speed_mps: f64, gap_m: f64) -> impl FnMut(&View<'_>) -> Setpoints {
-    move |_| Setpoints {
-        speed_mps,
-        following_distance_m: gap_m,
-        wish: LaneWish::Stay,
-    }
+    move |_| Setpoints { speed_mps, following_distance_m: gap_m, wish: LaneWish::Stay }
 }
 
 /// Asks for the same at all times, and for the other lane.
@@ -48,11 +40,7 @@ fn restless(speed_mps: f64, gap_m: f64, when: When) -> impl FnMut(&View<'_>) -> 
     move |view| Setpoints {
         speed_mps,
         following_distance_m: gap_m,
-        wish: if view.lane == 0 {
-            LaneWish::MoveOut(when)
-        } else {
-            LaneWish::MoveBack(when)
-        },
+        wish: if view.lane == 0 { LaneWish::MoveOut(when) } else { LaneWish::MoveBack(when) },
     }
 }
 

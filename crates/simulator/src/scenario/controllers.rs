@@ -120,9 +120,6 @@ impl ControllerSettings {
     /// The same with the paper's rule of following, for planners that leave moving out to a probability.
     #[must_use]
     pub fn literal(&self) -> Self {
-        Self {
-            following_rule: FollowingRule::Paper,
-            ..self.clone()
-        }
+        Self { following_rule: FollowingRule::Paper, ..self.clone() }
     }
 }

@@ -43,15 +43,8 @@ fn walk<'a>(
         .into_iter()
         .partition::<Vec<_>, _>(|field| !field.value.fields().is_empty());
     let path_of = |key: &str| format!("{path}.{key}").trim_start_matches('.').to_owned();
-    let below: Vec<_> = inner
-        .iter()
-        .map(|f| (path_of(f.key), f.doc, f.value))
-        .collect();
-    sections.push(Section {
-        path: path.to_owned(),
-        doc,
-        keys,
-    });
+    let below: Vec<_> = inner.iter().map(|f| (path_of(f.key), f.doc, f.value)).collect();
+    sections.push(Section { path: path.to_owned(), doc, keys });
     for (path, doc, section) in below {
         walk(&path, doc, section, sections);
     }
@@ -60,23 +53,12 @@ fn walk<'a>(
 fn sections<'a>(settings: &'a ScenarioSettings, evidence: &'a People) -> Vec<Section<'a>> {
     let mut sections = Vec::new();
     walk("", " The drive.", settings, &mut sections);
-    sections[0]
-        .keys
-        .retain(|field| !["vehicles", "background"].contains(&field.key));
+    sections[0].keys.retain(|field| !["vehicles", "background"].contains(&field.key));
     let vehicle = &settings.vehicles[0];
     walk("vehicles[0]", " Further vehicles.", vehicle, &mut sections);
-    sections
-        .last_mut()
-        .unwrap()
-        .keys
-        .retain(|field| field.key != "script");
+    sections.last_mut().unwrap().keys.retain(|field| field.key != "script");
     let does = " What one does, step by step.";
-    walk(
-        "vehicles[0].script[0]",
-        does,
-        &vehicle.script[0],
-        &mut sections,
-    );
+    walk("vehicles[0].script[0]", does, &vehicle.script[0], &mut sections);
     let background = settings.background.as_ref().unwrap();
     let place = " Background traffic in the place of leads and off-lane vehicles.";
     walk("background", place, background, &mut sections);
@@ -84,12 +66,7 @@ fn sections<'a>(settings: &'a ScenarioSettings, evidence: &'a People) -> Vec<Sec
         section.keys.retain(|field| field.key != "wave");
     }
     let wave = " A section of slow traffic at the start.";
-    walk(
-        "background.wave",
-        wave,
-        background.wave.as_ref().unwrap(),
-        &mut sections,
-    );
+    walk("background.wave", wave, background.wave.as_ref().unwrap(), &mut sections);
     let People::Evidence(evidence) = evidence else {
         panic!("people of another kind");
     };
@@ -129,13 +106,7 @@ fn tables() -> String {
         };
         writeln!(text, "{name}{}\n", section.doc.trim()).unwrap();
         text += "| key | default | allowed | meaning |\n|---|---|---|---|\n";
-        for Field {
-            key,
-            value,
-            range,
-            doc,
-        } in section.keys
-        {
+        for Field { key, value, range, doc } in section.keys {
             let name = format!("{path}.{key}");
             let required = path == "evidence" || at(&mut required, &name).is_some();
             let default = match at(&mut filled, &name) {
@@ -143,16 +114,8 @@ fn tables() -> String {
                 Some(value) => value.to_string().replace('\n', " "),
                 None => "none".to_owned(),
             };
-            let words: Vec<_> = value
-                .choices()
-                .iter()
-                .map(|word| format!("`{word}`"))
-                .collect();
-            let allowed = if words.is_empty() {
-                range.words(&name)
-            } else {
-                words.join(", ")
-            };
+            let words: Vec<_> = value.choices().iter().map(|word| format!("`{word}`")).collect();
+            let allowed = if words.is_empty() { range.words(&name) } else { words.join(", ") };
             writeln!(text, "| `{key}` | {default} | {allowed} | {} |", doc.trim()).unwrap();
         }
         text += "\n";
@@ -170,10 +133,7 @@ fn the_page_has_the_settings_as_they_are_declared() {
     if std::env::var_os("UPDATE_DOCS").is_some() {
         std::fs::write(path, format!("{before}{BEGIN}{declared}{END}{after}")).unwrap();
     } else {
-        assert_eq!(
-            written, declared,
-            "UPDATE_DOCS=1 cargo test -p maveric-simulator settings"
-        );
+        assert_eq!(written, declared, "UPDATE_DOCS=1 cargo test -p maveric-simulator settings");
     }
 }
 
@@ -195,9 +155,7 @@ fn put(file: &mut toml::Value, section: &str, key: &str, number: f64) {
 /// What is wrong with this file, if anything.
 fn problem(section: &str, file: toml::Value) -> String {
     let checked = if section == "evidence" {
-        file.try_into()
-            .map(|_: People| ())
-            .map_err(|e| e.to_string())
+        file.try_into().map(|_: People| ()).map_err(|e| e.to_string())
     } else {
         let settings: ScenarioSettings = file.try_into().unwrap();
         check_section("", &settings).map_err(|e| e.to_string())
@@ -212,10 +170,7 @@ fn every_setting_is_allowed_at_the_ends_of_its_range_and_refused_beyond_them() {
     let evidence: toml::Value = toml::from_str(maveric_data::POPULATION_MISSPECIFIED).unwrap();
     let mut tried = 0;
     for Section { path, keys, .. } in sections(&settings, &people) {
-        for Field {
-            key, value, range, ..
-        } in keys
-        {
+        for Field { key, value, range, .. } in keys {
             let (inside, outside) = match range {
                 Range::Positive => (vec![1e-9], vec![0.0]),
                 Range::NotNegative => (vec![0.0], vec![-1e-9]),
@@ -227,21 +182,13 @@ fn every_setting_is_allowed_at_the_ends_of_its_range_and_refused_beyond_them() {
             let outside = outside.into_iter().filter(|number| signed || *number > 0.0);
             let name = format!("{path}.{key}").trim_start_matches('.').to_owned();
             let with = |number| {
-                let mut file = if path == "evidence" {
-                    &evidence
-                } else {
-                    &scenario
-                }
-                .clone();
+                let mut file = if path == "evidence" { &evidence } else { &scenario }.clone();
                 put(&mut file, &path, key, number);
                 problem(&path, file)
             };
             for number in inside {
                 let problem = with(number);
-                assert!(
-                    !problem.contains(&format!("`{name}")),
-                    "{number}: {problem}"
-                );
+                assert!(!problem.contains(&format!("`{name}")), "{number}: {problem}");
             }
             for number in outside {
                 let problem = with(number);
@@ -273,8 +220,5 @@ fn a_key_that_is_left_out_has_its_default_and_one_without_default_is_missed_by_n
     expected.controllers.margin_m = 3.0;
     assert_eq!(one, expected);
     let error = toml::from_str::<ScenarioSettings>("[background]\nring_m = 2000.0").unwrap_err();
-    assert!(
-        error.to_string().contains("vehicles_per_km_and_lane"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("vehicles_per_km_and_lane"), "{error}");
 }

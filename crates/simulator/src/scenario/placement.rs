@@ -52,12 +52,7 @@ settings! {
 impl VehiclePlacement {
     /// One that keeps its speed.
     pub fn steady(ahead_m: f64, lane: u8, speed_mps: f64) -> Self {
-        Self {
-            ahead_m,
-            lane,
-            speed_mps,
-            script: Vec::new(),
-        }
+        Self { ahead_m, lane, speed_mps, script: Vec::new() }
     }
 }
 
@@ -86,9 +81,7 @@ pub(super) fn check_placed(scenario: &ScenarioSettings) -> Result<(), SimulatorE
     check("vehicles", vehicles.len() as f64, most)?;
     for (index, vehicle) in vehicles.iter().enumerate() {
         let name = format!("vehicles[{index}]");
-        scenario
-            .road
-            .check_lane(&format!("{name}.lane"), vehicle.lane)?;
+        scenario.road.check_lane(&format!("{name}.lane"), vehicle.lane)?;
         for (number, step) in vehicle.script.iter().enumerate() {
             let name = format!("{name}.script[{number}]");
             step.check_whole(&name)?;

@@ -36,9 +36,9 @@ impl Range {
             Self::Finite => "a finite number".to_owned(),
             Self::Positive => "a finite number above 0".to_owned(),
             Self::NotNegative => "a finite number, 0 or above".to_owned(),
-            Self::Within(low, high) => format!("{low} to {high} {}", unit(name))
-                .trim_end()
-                .to_owned(),
+            Self::Within(low, high) => {
+                format!("{low} to {high} {}", unit(name)).trim_end().to_owned()
+            }
             Self::Because(_, _, words) => words.to_owned(),
         }
     }
@@ -59,11 +59,7 @@ pub(crate) fn check(name: &str, found: f64, range: impl Into<Range>) -> Result<(
     if fits && found.is_finite() {
         return Ok(());
     }
-    Err(SimulatorError::Setting {
-        name: name.to_owned(),
-        found,
-        expected: range.words(name),
-    })
+    Err(SimulatorError::Setting { name: name.to_owned(), found, expected: range.words(name) })
 }
 
 /// How the ends of names say a unit; the longer first.
@@ -87,9 +83,7 @@ const UNITS: [(&str, &str); 14] = [
 /// The unit of what has the path `name`: of the key itself, or of the key whose part it is.
 pub(crate) fn unit(name: &str) -> &'static str {
     let unit_of = |key: &str| UNITS.iter().find(|(end, _)| key.ends_with(end));
-    name.rsplit('.')
-        .find_map(unit_of)
-        .map_or("", |(_, unit)| unit)
+    name.rsplit('.').find_map(unit_of).map_or("", |(_, unit)| unit)
 }
 
 /// One key of a section.
@@ -157,11 +151,7 @@ impl Value for [f64; 2] {
         let [least, most] = *self;
         check(name, least, range)?;
         check(name, most, range)?;
-        check(
-            name,
-            most,
-            Range::Because(least, f64::MAX, "the lower of the two first"),
-        )
+        check(name, most, Range::Because(least, f64::MAX, "the lower of the two first"))
     }
 }
 

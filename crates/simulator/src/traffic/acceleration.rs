@@ -85,10 +85,7 @@ mod tests {
     fn a_car_goes_for_its_speed_within_its_limit() {
         let scenario = Scenario::paper();
         let towards = |speed_mps: f64| {
-            let role = Role::Steady {
-                speed_mps,
-                passing_by: false,
-            };
+            let role = Role::Steady { speed_mps, passing_by: false };
             let mut car = car(1, 50.0, 0, 20.0, role);
             let line = CentreLine::default();
             wanted(&mut car, scenario.settings(), &line, &seen_ego(), 0.0)
@@ -100,10 +97,7 @@ mod tests {
 
     #[test]
     fn it_is_held_back_by_the_nearest_ahead_in_its_way_ego_among_them() {
-        let role = Role::Steady {
-            speed_mps: 20.0,
-            passing_by: false,
-        };
+        let role = Role::Steady { speed_mps: 20.0, passing_by: false };
         // Behind ego by 12 m, where 2 + 20 · 0.6 = 14 m are wanted.
         let own = car(1, -12.0, 0, 20.0, role);
         let law = |gap_m: f64| 1.5 * (1.0 - (14.0 / gap_m).powi(2));

@@ -33,22 +33,13 @@ impl Blockade {
         let mut shift_m = 0.0;
         let mut taken = None;
         for car in cars.iter_mut().filter(|car| car.lane == lane) {
-            let passing_by = matches!(
-                car.role,
-                Role::Steady {
-                    passing_by: true,
-                    ..
-                }
-            );
+            let passing_by = matches!(car.role, Role::Steady { passing_by: true, .. });
             let off_m = |i: usize| car.state.x_m - usual_x_m(i);
             let nearest = (0..s.cars).min_by(|&i, &j| off_m(i).abs().total_cmp(&off_m(j).abs()));
             let near = nearest.filter(|&i| passing_by && off_m(i).abs() <= s.spacing_m);
             if let Some(i) = near {
                 (shift_m, taken) = (off_m(i), Some(i));
-                car.role = Role::Blocker {
-                    place_m: place_m(i),
-                    leaving: false,
-                };
+                car.role = Role::Blocker { place_m: place_m(i), leaving: false };
                 break;
             }
         }
@@ -56,16 +47,9 @@ impl Blockade {
             x_m: usual_x_m(i) + shift_m,
             lane,
             speed_mps: ego.speed_mps + s.speed_difference_limit_mps,
-            role: Role::Blocker {
-                place_m: place_m(i),
-                leaving: false,
-            },
+            role: Role::Blocker { place_m: place_m(i), leaving: false },
         });
-        let blockade = Self {
-            lead,
-            since_s: time_s,
-            met_s: None,
-        };
+        let blockade = Self { lead, since_s: time_s, met_s: None };
         (blockade, arrivals.collect())
     }
 
@@ -119,13 +103,9 @@ mod tests {
         let ego = seen_ego();
         let wanted = |x_m: f64, leaving| wanted_mps(&S, &ego, x_m, 22.0, leaving);
         // A quarter of what is missing a second, 5 m/s at most.
-        for (x_m, expected) in [
-            (22.0, 20.0),
-            (14.0, 22.0),
-            (30.0, 18.0),
-            (-60.0, 25.0),
-            (90.0, 15.0),
-        ] {
+        for (x_m, expected) in
+            [(22.0, 20.0), (14.0, 22.0), (30.0, 18.0), (-60.0, 25.0), (90.0, 15.0)]
+        {
             assert!((wanted(x_m, false) - expected).abs() < 1e-12, "{x_m}");
         }
         assert!((wanted(22.0, true) - 26.0).abs() < 1e-12);
@@ -137,29 +117,16 @@ mod tests {
         let places = |cars: &mut [Car]| {
             let (_, arrivals) = Blockade::raise(&S, cars, &ego, VehicleId(1), 0.0);
             let place = |role: &Role| match role {
-                Role::Blocker {
-                    place_m,
-                    leaving: false,
-                } => *place_m,
+                Role::Blocker { place_m, leaving: false } => *place_m,
                 _ => f64::NAN,
             };
             let found = arrivals.iter().map(|a| (a.x_m, place(&a.role)));
-            assert!(
-                arrivals
-                    .iter()
-                    .all(|a| a.lane == 1 && (a.speed_mps - 25.0).abs() < 1e-12)
-            );
+            assert!(arrivals.iter().all(|a| a.lane == 1 && (a.speed_mps - 25.0).abs() < 1e-12));
             found.collect::<Vec<_>>()
         };
-        assert_eq!(
-            places(&mut []),
-            [(-110.0, 22.0), (-132.0, 0.0), (-154.0, -22.0)]
-        );
+        assert_eq!(places(&mut []), [(-110.0, 22.0), (-132.0, 0.0), (-154.0, -22.0)]);
         let passing = |x_m: f64, lane, passing_by| {
-            let role = Role::Steady {
-                speed_mps: 24.0,
-                passing_by,
-            };
+            let role = Role::Steady { speed_mps: 24.0, passing_by };
             let mut car = car(7, -1.0, lane, 24.0, role);
             car.state.x_m = x_m;
             [car]
@@ -168,11 +135,9 @@ mod tests {
         let mut near = passing(-130.0, 1, true);
         assert_eq!(places(&mut near), [(-108.0, 22.0), (-152.0, -22.0)]);
         assert!(matches!(near[0].role, Role::Blocker { place_m, .. } if place_m.abs() < 1e-12));
-        for mut other in [
-            passing(-130.0, 0, true),
-            passing(-130.0, 1, false),
-            passing(-80.0, 1, true),
-        ] {
+        for mut other in
+            [passing(-130.0, 0, true), passing(-130.0, 1, false), passing(-80.0, 1, true)]
+        {
             assert_eq!(places(&mut other).len(), 3);
         }
     }
@@ -180,10 +145,7 @@ mod tests {
     #[test]
     fn they_leave_once_ego_has_followed_for_a_while_or_has_no_lead() {
         let ego = seen_ego();
-        let role = Role::Steady {
-            speed_mps: 20.0,
-            passing_by: false,
-        };
+        let role = Role::Steady { speed_mps: 20.0, passing_by: false };
         let lead = |gap_m: f64, lane, speed_mps| [car(1, gap_m, lane, speed_mps, role)];
         let after = |cars: &[Car]| {
             let (mut blockade, _) = Blockade::raise(&S, &mut [], &ego, VehicleId(1), 100.0);

@@ -75,9 +75,7 @@ pub(crate) struct Arrival {
 /// Bumper to bumper along x, in m: positive ahead of ego, negative behind, 0 while beside.
 pub(crate) fn distance_m(ego: &EgoView, state: &VehicleState) -> f64 {
     let centres = state.x_m - ego.x_m;
-    (centres.abs() - 0.5 * (ego.length_m + state.length_m))
-        .max(0.0)
-        .copysign(centres)
+    (centres.abs() - 0.5 * (ego.length_m + state.length_m)).max(0.0).copysign(centres)
 }
 
 /// The lead now in play, if it is still in the world.

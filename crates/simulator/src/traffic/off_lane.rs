@@ -18,11 +18,8 @@ const ROOM_M: f64 = 40.0;
 
 impl OffLaneTraffic {
     pub(crate) fn new(settings: &OffLaneSettings, seed: u64) -> Self {
-        let mut traffic = Self {
-            settings: settings.clone(),
-            rng: Pcg64Mcg::seed_from_u64(seed),
-            next_s: 0.0,
-        };
+        let mut traffic =
+            Self { settings: settings.clone(), rng: Pcg64Mcg::seed_from_u64(seed), next_s: 0.0 };
         traffic.next_s = traffic.interval_s();
         traffic
     }
@@ -58,23 +55,13 @@ impl OffLaneTraffic {
         } else {
             (ego.x_m + ahead_m, ego.target_mps * self.between(factor))
         };
-        let taken = cars
-            .iter()
-            .any(|car| car.lane == lane && (car.state.x_m - x_m).abs() < ROOM_M);
+        let taken = cars.iter().any(|car| car.lane == lane && (car.state.x_m - x_m).abs() < ROOM_M);
         if taken {
             self.next_s = time_s + 1.0;
             return None;
         }
         self.next_s = time_s + self.interval_s();
-        Some(Arrival {
-            x_m,
-            lane,
-            speed_mps,
-            role: Role::Steady {
-                speed_mps,
-                passing_by: true,
-            },
-        })
+        Some(Arrival { x_m, lane, speed_mps, role: Role::Steady { speed_mps, passing_by: true } })
     }
 }
 
@@ -108,19 +95,10 @@ mod tests {
 
     #[test]
     fn nobody_comes_while_ego_is_elsewhere_or_where_somebody_is() {
-        let left = EgoView {
-            lane: 1,
-            ..seen_ego()
-        };
-        let changing = EgoView {
-            keeping: false,
-            ..seen_ego()
-        };
+        let left = EgoView { lane: 1, ..seen_ego() };
+        let changing = EgoView { keeping: false, ..seen_ego() };
         assert!(come(&left, &[]).is_empty() && come(&changing, &[]).is_empty());
-        let role = Role::Steady {
-            speed_mps: 30.0,
-            passing_by: false,
-        };
+        let role = Role::Steady { speed_mps: 30.0, passing_by: false };
         let at = |x_m: f64, lane| {
             let mut car = car(1, 1.0, lane, 30.0, role);
             car.state.x_m = x_m;

@@ -96,9 +96,8 @@ impl LeadSchedule {
         let of_posted = s.factors_of_posted.iter().map(|&f| Factor::OfPosted(f));
         let mut factors: Vec<Factor> = of_target.chain(of_posted).collect();
         factors.shuffle(&mut rng);
-        let mut blocked: Vec<bool> = (0..factors.len())
-            .map(|i| i < scenario.blocked.encounters)
-            .collect();
+        let mut blocked: Vec<bool> =
+            (0..factors.len()).map(|i| i < scenario.blocked.encounters).collect();
         blocked.shuffle(&mut rng);
         let first = s.first_slot_s.min(FIRST_SHARE * scenario.duration_s);
         let spacing = s.slot_spacing_s.min(SPACING_SHARE * scenario.duration_s);
@@ -111,13 +110,7 @@ impl LeadSchedule {
             })
             .take_while(|slot| slot.opens_s < scenario.duration_s - USEFUL_S)
             .collect();
-        Self {
-            settings: s.clone(),
-            posted_mps,
-            slots,
-            next: 0,
-            current: None,
-        }
+        Self { settings: s.clone(), posted_mps, slots, next: 0, current: None }
     }
 
     /// Notes which vehicle the last arrival became.
@@ -155,12 +148,7 @@ impl LeadSchedule {
             Factor::OfPosted(factor) => factor * self.posted_mps,
         };
         let approach_mps = own_mps.min(s.approach_factor * ego.target_mps);
-        let plan = LeadPlan {
-            own_mps,
-            approach_mps,
-            since_s: time_s,
-            phase: LeadPhase::Approach,
-        };
+        let plan = LeadPlan { own_mps, approach_mps, since_s: time_s, phase: LeadPhase::Approach };
         let arrival = Arrival {
             x_m: ego.x_m + s.appears_ahead_m + 0.5 * (ego.length_m + car_length_m),
             lane: ego.lane,
@@ -208,10 +196,7 @@ mod tests {
         assert_eq!(sorted, order(1));
         assert!((0..5).any(|seed| order(seed) != sorted));
         sorted.sort();
-        assert_eq!(
-            sorted,
-            ["0.85 v_e", "0.9 s", "0.9 v_e", "0.97 v_e", "1 s", "1.1 s"]
-        );
+        assert_eq!(sorted, ["0.85 v_e", "0.9 s", "0.9 v_e", "0.97 v_e", "1 s", "1.1 s"]);
     }
 
     #[test]
@@ -223,9 +208,7 @@ mod tests {
 
     #[test]
     fn two_minutes_have_two_slots() {
-        let short = Scenario::paper()
-            .with_duration(maveric_domain::Seconds(120.0))
-            .unwrap();
+        let short = Scenario::paper().with_duration(maveric_domain::Seconds(120.0)).unwrap();
         let schedule = LeadSchedule::new(short.settings(), 24.5872, 3);
         assert_eq!(schedule.slots.len(), 2);
         assert!((schedule.slots[1].opens_s - 60.0).abs() < 1e-9);
@@ -249,9 +232,7 @@ mod tests {
         };
         let after = |steps: &[(f64, Option<f64>)]| {
             let mut plan = begun;
-            let last = steps
-                .iter()
-                .map(|(age, gap)| plan.wanted_mps(&s, &ego, *gap, 100.0 + age));
+            let last = steps.iter().map(|(age, gap)| plan.wanted_mps(&s, &ego, *gap, 100.0 + age));
             last.last().unwrap()
         };
         // Two seconds at 20 m/s are near; 50 s are long enough.
@@ -273,10 +254,7 @@ mod tests {
     fn a_lead_comes_when_its_slot_is_open_and_the_last_encounter_is_over() {
         let scenario = Scenario::paper();
         let s = &scenario.settings().leads;
-        let role = Role::Steady {
-            speed_mps: 20.0,
-            passing_by: false,
-        };
+        let role = Role::Steady { speed_mps: 20.0, passing_by: false };
         let comes = |cars: &[Car], ego: &EgoView, time_s: f64| {
             let mut schedule = LeadSchedule::new(scenario.settings(), 24.5872, 3);
             schedule.arrived(VehicleId(1));
@@ -285,14 +263,7 @@ mod tests {
         let opens = LeadSchedule::new(scenario.settings(), 24.5872, 3).slots[0].opens_s;
         let ego = seen_ego();
         assert!(comes(&[], &ego, opens) && !comes(&[], &ego, opens - 0.1));
-        assert!(!comes(
-            &[],
-            &EgoView {
-                keeping: false,
-                ..ego
-            },
-            opens
-        ));
+        assert!(!comes(&[], &EgoView { keeping: false, ..ego }, opens));
         let (clear, over) = (s.clear_ahead_m, s.over_behind_m);
         for (gap_m, lane, id, expected) in [
             // The last lead: ahead, far ahead, behind in ego's lane, just behind and well behind in the other.
@@ -313,9 +284,7 @@ mod tests {
         let (arrival, _) = schedule.next(&[], &ego, 7.0, opens).unwrap();
         assert_eq!((schedule.count(), arrival.lane), (1, 0));
         assert!((arrival.x_m - s.appears_ahead_m - 6.0).abs() < 1e-12);
-        let Role::Lead(plan) = arrival.role else {
-            panic!("a lead")
-        };
+        let Role::Lead(plan) = arrival.role else { panic!("a lead") };
         assert!(arrival.speed_mps <= plan.own_mps + 1e-12);
         assert!(arrival.speed_mps <= s.approach_factor * 30.0 + 1e-12);
     }

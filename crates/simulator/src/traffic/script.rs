@@ -69,12 +69,8 @@ impl Script {
                 self.limit_mps2 = step.acceleration_mps2.unwrap_or(USUAL_MPS2);
             }
             if let (Some(lane), Some(duration_s)) = (step.lane, step.duration_s) {
-                self.sidestep = Some(Sidestep {
-                    from_y_m: state.y_m,
-                    lane,
-                    start_s: time_s,
-                    duration_s,
-                });
+                self.sidestep =
+                    Some(Sidestep { from_y_m: state.y_m, lane, start_s: time_s, duration_s });
             }
         }
         if let Some(side) = self.sidestep {
@@ -145,10 +141,7 @@ mod tests {
         assert!(asked(1.9, 40.0).abs() < 1e-12);
         // 10 m/s are to be had by 3 m/s².
         assert!((asked(2.0, 40.0) + 3.0).abs() < 1e-12);
-        assert!(
-            (asked(2.1, 30.0) + 3.0).abs() < 1e-12,
-            "not below the mark yet"
-        );
+        assert!((asked(2.1, 30.0) + 3.0).abs() < 1e-12, "not below the mark yet");
         assert!((asked(2.2, 29.9) + 3.0).abs() < 1e-12);
         assert!((asked(2.3, 29.9) + 3.0).abs() < 1e-12);
         // Up through the same mark: 0.1 m/s within a twentieth of a second.

@@ -20,10 +20,7 @@ pub(super) fn jerk_mps3(
 
 /// The command within what throttle and brake can give, in m/s².
 pub(super) fn within_limits(settings: &VehicleSettings, acceleration_mps2: f64) -> f64 {
-    acceleration_mps2.clamp(
-        -settings.braking_limit_mps2,
-        settings.acceleration_limit_mps2,
-    )
+    acceleration_mps2.clamp(-settings.braking_limit_mps2, settings.acceleration_limit_mps2)
 }
 
 /// Turn of the front wheels over one step, in rad: at the limited rate towards the command.
@@ -51,10 +48,7 @@ mod tests {
         near(within_limits(car, -9.0), -8.0);
         near(within_limits(car, -7.9), -7.9);
         let turn = |from_rad: f64, steering_rad: f64| {
-            let command = Command {
-                acceleration_mps2: 0.0,
-                steering_rad,
-            };
+            let command = Command { acceleration_mps2: 0.0, steering_rad };
             turn_rad(car, from_rad, command)
         };
         // 0.5 rad/s, and no further than 0.6 rad.

@@ -61,9 +61,7 @@ impl DynamicsSettings {
         let (front, rear) = (self.front_axle_m, self.rear_axle_m(wheelbase_m));
         let weight = self.mass_kg * GRAVITY_MPS2;
         let used = acceleration_mps2 / GRAVITY_MPS2;
-        let left = (self.friction * self.friction - used * used)
-            .max(0.0)
-            .sqrt();
+        let left = (self.friction * self.friction - used * used).max(0.0).sqrt();
         let force = |slip_rad: f64, stiffness: f64, load_share: f64| {
             let limit = left * weight * load_share;
             (-stiffness * slip_rad).clamp(-limit, limit)
@@ -71,16 +69,8 @@ impl DynamicsSettings {
         let front_slip = libm::atan2(across + front * yaw_rate, along) - steering_rad;
         let rear_slip = libm::atan2(across - rear * yaw_rate, along);
         SideForces {
-            front_n: force(
-                front_slip,
-                self.front_stiffness_n_per_rad,
-                rear / wheelbase_m,
-            ),
-            rear_n: force(
-                rear_slip,
-                self.rear_stiffness_n_per_rad,
-                front / wheelbase_m,
-            ),
+            front_n: force(front_slip, self.front_stiffness_n_per_rad, rear / wheelbase_m),
+            rear_n: force(rear_slip, self.rear_stiffness_n_per_rad, front / wheelbase_m),
         }
     }
 }
@@ -111,32 +101,14 @@ impl DynamicBicycle {
         let s = &self.settings;
         let rear = s.dynamics.rear_axle_m(s.wheelbase_m);
         let steering = self.steering_rad;
-        let state = [
-            self.x_m,
-            self.y_m,
-            self.heading_rad,
-            self.along_mps,
-            self.acceleration_mps2,
-        ];
+        let state = [self.x_m, self.y_m, self.heading_rad, self.along_mps, self.acceleration_mps2];
         let after = rk4(state, s.step_s, |share, &[x, y, heading, along, a]| {
             let along = along.max(0.0);
             let yaw_rate = along * libm::tan(steering + share * turn_rad) / s.wheelbase_m;
             let place = velocity(line, [x, y, heading], [along, rear * yaw_rate, yaw_rate]);
-            [
-                place[0],
-                place[1],
-                place[2],
-                a,
-                jerk_mps3(s, a, wanted_mps2),
-            ]
+            [place[0], place[1], place[2], a, jerk_mps3(s, a, wanted_mps2)]
         });
-        [
-            self.x_m,
-            self.y_m,
-            self.heading_rad,
-            self.along_mps,
-            self.acceleration_mps2,
-        ] = after;
+        [self.x_m, self.y_m, self.heading_rad, self.along_mps, self.acceleration_mps2] = after;
         self.along_mps = self.along_mps.max(0.0);
         self.steering_rad += turn_rad;
         self.yaw_rate_rad_per_s = self.along_mps * libm::tan(self.steering_rad) / s.wheelbase_m;
@@ -266,10 +238,7 @@ mod tests {
         let mut car = DynamicBicycle::new(&settings(0.005), 0.0, speed_mps);
         for _ in 0..8000 {
             let acceleration_mps2 = 5.0 * (speed_mps - car.along_mps);
-            let command = Command {
-                acceleration_mps2,
-                steering_rad,
-            };
+            let command = Command { acceleration_mps2, steering_rad };
             car.step(command, &straight());
         }
         car
@@ -327,19 +296,12 @@ mod tests {
         let mut car = DynamicBicycle::new(&s, 0.0, 30.0);
         let start = car.x_m;
         for _ in 0..1000 {
-            let command = Command {
-                acceleration_mps2: -100.0,
-                steering_rad: 0.0,
-            };
+            let command = Command { acceleration_mps2: -100.0, steering_rad: 0.0 };
             car.step(command, &straight());
         }
         let (b, lag) = (s.braking_limit_mps2, s.brake_lag_s);
         let exact = 30.0 * 30.0 / (2.0 * b) + 30.0 * lag - 0.5 * b * lag * lag;
-        assert!(
-            (car.x_m - start - exact).abs() < 0.001,
-            "{}",
-            car.x_m - start
-        );
+        assert!((car.x_m - start - exact).abs() < 0.001, "{}", car.x_m - start);
         assert!(car.along_mps.abs() < 1e-12 && car.y_m.abs() < 1e-12);
     }
 
@@ -372,36 +334,24 @@ mod tests {
             };
             let last = energy(&car);
             car.step(command, &straight());
-            assert!(
-                energy(&car) <= last + 1e-6 && car.along_mps > ROLLS_BELOW_MPS,
-                "{tick}"
-            );
+            assert!(energy(&car) <= last + 1e-6 && car.along_mps > ROLLS_BELOW_MPS, "{tick}");
             work += 0.5e-3 * (before + power(&car));
         }
         let lost = energy(&car) - first;
-        assert!(
-            lost < -1e4 && (lost - work).abs() < 1e-3 * lost.abs(),
-            "{lost} {work}"
-        );
+        assert!(lost < -1e4 && (lost - work).abs() < 1e-3 * lost.abs(), "{lost} {work}");
     }
 
     #[test]
     fn the_integration_is_of_order_four_while_no_tyre_saturates() {
         let run = |step_s: f64, steering_rad: f64| {
             let line = CentreLine::new(&[
-                Segment::Clothoid {
-                    length_m: 400.0,
-                    to_radius_m: Some(200.0),
-                },
+                Segment::Clothoid { length_m: 400.0, to_radius_m: Some(200.0) },
                 Segment::Straight { length_m: 10.0 },
             ]);
             let mut car = DynamicBicycle::new(&settings(step_s), 0.0, 30.0);
             car.steering_rad = steering_rad;
             for _ in 0..(2.0 / step_s).round() as usize {
-                let command = Command {
-                    acceleration_mps2: -2.0,
-                    steering_rad,
-                };
+                let command = Command { acceleration_mps2: -2.0, steering_rad };
                 car.step(command, &line);
             }
             (car.x_m, car.y_m)

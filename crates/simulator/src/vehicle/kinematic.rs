@@ -44,11 +44,8 @@ impl KinematicBicycle {
     /// Actuators, speed and place one after the other, each with what the one before has just become.
     fn step_in_turn(&mut self, wanted_mps2: f64, turn_rad: f64, line: &CentreLine) {
         let s = &self.settings;
-        let lag_s = if wanted_mps2 < self.acceleration_mps2 {
-            s.brake_lag_s
-        } else {
-            s.throttle_lag_s
-        };
+        let lag_s =
+            if wanted_mps2 < self.acceleration_mps2 { s.brake_lag_s } else { s.throttle_lag_s };
         let most = s.jerk_limit_mps3 * s.step_s;
         let change = (wanted_mps2 - self.acceleration_mps2) * (s.step_s / lag_s).min(1.0);
         self.acceleration_mps2 += change.clamp(-most, most);
@@ -75,13 +72,7 @@ impl KinematicBicycle {
             (half * cos, cos)
         };
         let slips = [slip(0.0), slip(0.5), slip(1.0)];
-        let state = [
-            self.x_m,
-            self.y_m,
-            self.heading_rad,
-            self.speed_mps,
-            self.acceleration_mps2,
-        ];
+        let state = [self.x_m, self.y_m, self.heading_rad, self.speed_mps, self.acceleration_mps2];
         let after = rk4(state, s.step_s, |share, &[x, y, heading, speed, a]| {
             let (sin_slip, cos_slip) = slips[(2.0 * share) as usize];
             let (sin, cos) = libm::sincos(heading);
@@ -96,13 +87,7 @@ impl KinematicBicycle {
                 jerk_mps3(s, a, wanted_mps2),
             ]
         });
-        [
-            self.x_m,
-            self.y_m,
-            self.heading_rad,
-            self.speed_mps,
-            self.acceleration_mps2,
-        ] = after;
+        [self.x_m, self.y_m, self.heading_rad, self.speed_mps, self.acceleration_mps2] = after;
         self.speed_mps = self.speed_mps.max(0.0);
         self.steering_rad += turn_rad;
     }
@@ -161,10 +146,8 @@ mod tests {
 
     /// These settings with either integrator.
     fn both(settings: &VehicleSettings) -> [VehicleSettings; 2] {
-        [Integrator::InTurn, Integrator::Rk4].map(|integrator| VehicleSettings {
-            integrator,
-            ..settings.clone()
-        })
+        [Integrator::InTurn, Integrator::Rk4]
+            .map(|integrator| VehicleSettings { integrator, ..settings.clone() })
     }
 
     fn straight() -> CentreLine {
@@ -172,10 +155,7 @@ mod tests {
     }
 
     fn command(acceleration_mps2: f64, steering_rad: f64) -> Command {
-        Command {
-            acceleration_mps2,
-            steering_rad,
-        }
+        Command { acceleration_mps2, steering_rad }
     }
 
     #[test]
@@ -190,11 +170,7 @@ mod tests {
             // v0²/2b + v0 τ − b τ²/2, but for a part of e^{−T/τ}.
             let (b, lag) = (settings.braking_limit_mps2, settings.brake_lag_s);
             let exact = 30.0 * 30.0 / (2.0 * b) + 30.0 * lag - 0.5 * b * lag * lag;
-            let tolerance = if settings.integrator == Integrator::Rk4 {
-                0.001
-            } else {
-                0.35
-            };
+            let tolerance = if settings.integrator == Integrator::Rk4 { 0.001 } else { 0.35 };
             assert!(
                 (car.x_m - exact).abs() < tolerance,
                 "{:?} {} {exact}",
@@ -206,20 +182,14 @@ mod tests {
 
     #[test]
     fn in_turn_a_step_brings_acceleration_nearer_by_its_share_of_the_lag() {
-        let settings = VehicleSettings {
-            integrator: Integrator::InTurn,
-            ..settings(0.01)
-        };
+        let settings = VehicleSettings { integrator: Integrator::InTurn, ..settings(0.01) };
         for (wanted, lag) in [(0.1, settings.throttle_lag_s), (-0.1, settings.brake_lag_s)] {
             let mut car = KinematicBicycle::new(&settings, 0.0, 30.0);
             let mut left = wanted;
             for _ in 0..3 {
                 car.step(command(wanted, 0.0), &straight());
                 left *= 1.0 - settings.step_s / lag;
-                assert!(
-                    (car.acceleration_mps2 - (wanted - left)).abs() < 1e-12,
-                    "{wanted}"
-                );
+                assert!((car.acceleration_mps2 - (wanted - left)).abs() < 1e-12, "{wanted}");
             }
         }
     }
@@ -237,20 +207,13 @@ mod tests {
             }
             let slip = (0.5 * 0.1_f64.tan()).atan();
             let radius = 0.5 * settings.wheelbase_m / slip.sin();
-            assert!(
-                (0.5 * (high - low) - radius).abs() < 0.002,
-                "{:?}",
-                settings.integrator
-            );
+            assert!((0.5 * (high - low) - radius).abs() < 0.002, "{:?}", settings.integrator);
         }
     }
 
     #[test]
     fn no_command_exceeds_the_limits() {
-        let settings = VehicleSettings {
-            jerk_limit_mps3: 5.0,
-            ..settings(0.01)
-        };
+        let settings = VehicleSettings { jerk_limit_mps3: 5.0, ..settings(0.01) };
         for settings in both(&settings) {
             let mut car = KinematicBicycle::new(&settings, 0.0, 30.0);
             for tick in 0..600 {
@@ -268,16 +231,10 @@ mod tests {
     /// Place after 4 s of braking and steering on a clothoid, by steps of `step_s`.
     fn end(step_s: f64, jerk_limit_mps3: f64) -> [f64; 3] {
         let line = CentreLine::new(&[
-            Segment::Clothoid {
-                length_m: 400.0,
-                to_radius_m: Some(200.0),
-            },
+            Segment::Clothoid { length_m: 400.0, to_radius_m: Some(200.0) },
             Segment::Straight { length_m: 10.0 },
         ]);
-        let settings = VehicleSettings {
-            jerk_limit_mps3,
-            ..settings(step_s)
-        };
+        let settings = VehicleSettings { jerk_limit_mps3, ..settings(step_s) };
         let mut car = KinematicBicycle::new(&settings, 0.0, 30.0);
         car.steering_rad = 0.01;
         for _ in 0..(4.0 / step_s).round() as usize {
@@ -290,10 +247,7 @@ mod tests {
         let exact = run(coarse_s / 64.0);
         let error = |step_s| {
             let at = run(step_s);
-            at.iter()
-                .zip(exact)
-                .map(|(a, e)| (a - e).powi(2))
-                .sum::<f64>()
+            at.iter().zip(exact).map(|(a, e)| (a - e).powi(2)).sum::<f64>()
         };
         0.5 * (error(coarse_s) / error(coarse_s / 2.0)).log2()
     }
@@ -310,18 +264,9 @@ mod tests {
     #[test]
     fn the_road_frame_drives_the_path_of_the_map() {
         let line = CentreLine::new(&[
-            Segment::Clothoid {
-                length_m: 60.0,
-                to_radius_m: Some(-90.0),
-            },
-            Segment::Arc {
-                length_m: 80.0,
-                radius_m: -90.0,
-            },
-            Segment::Clothoid {
-                length_m: 60.0,
-                to_radius_m: None,
-            },
+            Segment::Clothoid { length_m: 60.0, to_radius_m: Some(-90.0) },
+            Segment::Arc { length_m: 80.0, radius_m: -90.0 },
+            Segment::Clothoid { length_m: 60.0, to_radius_m: None },
         ]);
         let mut on_road = KinematicBicycle::new(&settings(0.01), 1.0, 12.0);
         let mut on_map = on_road.clone();

@@ -122,12 +122,7 @@ pub(crate) fn build(settings: &VehicleSettings, y_m: f64, speed_mps: f64) -> Box
 /// Ego as a scene has it.
 pub(crate) fn ego_state(car: &dyn Vehicle, length_m: f64) -> EgoState {
     let pose = car.pose();
-    EgoState {
-        x_m: pose.x_m,
-        y_m: pose.y_m,
-        speed_mps: pose.speed_mps,
-        length_m,
-    }
+    EgoState { x_m: pose.x_m, y_m: pose.y_m, speed_mps: pose.speed_mps, length_m }
 }
 
 /// The point `ahead_m` in front of (x, y), and the heading relative to the road there.

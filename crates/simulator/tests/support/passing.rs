@@ -13,10 +13,6 @@ pub(crate) fn passing(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
             (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
             _ => LaneWish::Stay,
         };
-        Setpoints {
-            speed_mps,
-            following_distance_m: 1.2 * view.scene.ego.speed_mps,
-            wish,
-        }
+        Setpoints { speed_mps, following_distance_m: 1.2 * view.scene.ego.speed_mps, wish }
     }
 }

@@ -69,9 +69,7 @@ impl Statements for GroupsAnalysis {
                 let statement = t(test.t?, test.df?, test.p?, Adjustment::None, None);
                 let size = self.hedges.values().next()?;
                 Some(match size.g {
-                    Some(g) => statement
-                        .and("*g*", &number(g, 2))
-                        .ci(0.95, size.g_ci, number),
+                    Some(g) => statement.and("*g*", &number(g, 2)).ci(0.95, size.g_ci, number),
                     None => statement,
                 })
             };
@@ -109,11 +107,7 @@ impl Statements for Equivalence {
         let adjusted = self.adjusted();
         of_each(&self.tost, |_, test| {
             let (lower, upper) = (test.t_lower?, test.t_upper?);
-            let weaker = if lower.abs() < upper.abs() {
-                lower
-            } else {
-                upper
-            };
+            let weaker = if lower.abs() < upper.abs() { lower } else { upper };
             let statement = t(weaker, test.df as f64, test.p_holm?, adjusted, None);
             Some(statement.ci_of_values(0.9, test.ci90))
         })
@@ -182,15 +176,13 @@ impl McNemarTest {
             _ => "exact *p* unadjusted",
         };
         let few = self.only_a + self.only_b < Self::MANY;
-        let exact = self.p_exact.filter(|_| few).map_or_else(String::new, |p| {
-            format!(", {}", probability(exact_symbol, p))
-        });
-        Statement(format!(
-            "{} against {}, mid-{mid}{exact}",
-            self.only_a, self.only_b
-        ))
-        .and("difference", &bounded(self.difference, 2))
-        .ci(0.95, self.difference_ci, bounded)
+        let exact = self
+            .p_exact
+            .filter(|_| few)
+            .map_or_else(String::new, |p| format!(", {}", probability(exact_symbol, p)));
+        Statement(format!("{} against {}, mid-{mid}{exact}", self.only_a, self.only_b))
+            .and("difference", &bounded(self.difference, 2))
+            .ci(0.95, self.difference_ci, bounded)
     }
 }
 

@@ -54,26 +54,15 @@ mod tests {
             p: Some(0.07),
             ci: Interval::default(),
         };
-        assert_eq!(
-            t.statement(0.14).unwrap().markup(),
-            "*t*(11) = 2.00, *p* = .140"
-        );
+        assert_eq!(t.statement(0.14).unwrap().markup(), "*t*(11) = 2.00, *p* = .140");
         for (method, said) in [
             (EffectMethod::SignedRanks, "*V* = 31, *p* = .140"),
             (EffectMethod::GroupRanks, "*U* = 31, *p* = .140"),
         ] {
-            let ranks = LevelContrast {
-                method,
-                statistic: Some(31.0),
-                df: None,
-                ..t.clone()
-            };
+            let ranks = LevelContrast { method, statistic: Some(31.0), df: None, ..t.clone() };
             assert_eq!(ranks.statement(0.14).unwrap().markup(), said);
         }
-        let none = LevelContrast {
-            statistic: None,
-            ..t
-        };
+        let none = LevelContrast { statistic: None, ..t };
         assert!(none.statement(0.14).is_none());
     }
 }

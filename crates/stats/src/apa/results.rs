@@ -105,12 +105,7 @@ fn of_anova(anova: &RmAnova, sphericity: &Sphericity) -> Option<Statement> {
 fn of_friedman(friedman: &Friedman, n: usize) -> Option<Statement> {
     let (p, method) = friedman.reported_p();
     let df = [friedman.df?, n];
-    Some(friedman_of(
-        friedman.chi2?,
-        df,
-        (p?, method),
-        friedman.kendall_w,
-    ))
+    Some(friedman_of(friedman.chi2?, df, (p?, method), friedman.kendall_w))
 }
 
 /// `χ²(3, N = 24) = 41.19, p_exact < .001, W = .57`: p has the name of what it is, unless it is that of χ².
@@ -172,11 +167,7 @@ impl Omnibus {
             return Some(wilcoxon(statistic, p, Adjustment::None, effect.value));
         }
         let df1 = self.df1?;
-        let ci = if short {
-            Interval::default()
-        } else {
-            effect.ci
-        };
+        let ci = if short { Interval::default() } else { effect.ci };
         if self.test == OmnibusTest::PairedT {
             let dz = effect.value.map(|dz| (dz, ci));
             return Some(t(statistic, df1, p, Adjustment::None, dz));
@@ -250,11 +241,7 @@ impl Statements for Correlation {
             let tau = Statement(format!("*τ*_{{b}} = {}", bounded(kendall.tau_b?, 2)));
             Some(tau.p(kendall.p?, Adjustment::None))
         };
-        those([
-            ("pearson", of_r()),
-            ("spearman", of_rho()),
-            ("kendall", of_tau()),
-        ])
+        those([("pearson", of_r()), ("spearman", of_rho()), ("kendall", of_tau())])
     }
 }
 
@@ -302,9 +289,7 @@ impl Statements for AlphaAnalysis {
             let raw = Statement(format!("*α* = {}", bounded(alpha.raw?, 2)));
             Some(raw.ci(0.95, alpha.ci, bounded))
         };
-        let omega = alpha
-            .omega
-            .map(|o| Statement(format!("*ω* = {}", bounded(o, 2))));
+        let omega = alpha.omega.map(|o| Statement(format!("*ω* = {}", bounded(o, 2))));
         those([("alpha", statement()), ("omega", omega)])
     }
 }
@@ -317,10 +302,7 @@ impl Statements for Bootstrap {
             let estimate = of_values(estimate?, ci);
             Some(Statement(format!("estimate {estimate}")).ci_of_values(level, ci))
         };
-        those([
-            ("bca", statement(self.bca)),
-            ("percentile", statement(self.percentile)),
-        ])
+        those([("bca", statement(self.bca)), ("percentile", statement(self.percentile))])
     }
 }
 
@@ -338,12 +320,7 @@ mod tests {
     }
 
     fn data() -> WithinSubjects {
-        let rows = [
-            [1.0, 4.0, 2.0],
-            [2.0, 6.0, 3.0],
-            [3.0, 6.5, 3.5],
-            [1.5, 5.0, 4.0],
-        ];
+        let rows = [[1.0, 4.0, 2.0], [2.0, 6.0, 3.0], [3.0, 6.5, 3.5], [1.5, 5.0, 4.0]];
         let rows: Vec<Vec<f64>> = rows.map(Vec::from).to_vec();
         WithinSubjects::from_rows(&["a", "b", "c"], &["1", "2", "3", "4"], &rows).unwrap()
     }
@@ -396,10 +373,7 @@ mod tests {
             [6.0, 5.0, 8.0],
         ]);
         let sentence = rm_anova(&spherical).to_string();
-        assert!(
-            sentence.starts_with("F(2, 10) = ") && !sentence.contains('ε'),
-            "{sentence}"
-        );
+        assert!(sentence.starts_with("F(2, 10) = ") && !sentence.contains('ε'), "{sentence}");
     }
 
     #[test]
@@ -415,26 +389,18 @@ mod tests {
         let exact = "χ²(2, N = 6) = 6.33, p_exact = .052, W = .53";
         assert_eq!(friedman(&data).to_string(), exact);
         let compared = compare(&data, 0.05).unwrap().to_string();
-        assert!(
-            compared.starts_with(&format!("omnibus: {exact}\n")),
-            "{compared}"
-        );
+        assert!(compared.starts_with(&format!("omnibus: {exact}\n")), "{compared}");
         let without = compare_without_exact(&data, 0.05).unwrap().to_string();
         assert!(without.contains(", p_Iman-Davenport = "), "{without}");
         let of_groups = |labels: &[&str]| {
-            let values: Vec<_> = [1.0, 3.0, 2.0, 4.0, 6.0, 5.5, 2.5, 7.0, 3.5]
-                .map(Some)
-                .to_vec();
+            let values: Vec<_> = [1.0, 3.0, 2.0, 4.0, 6.0, 5.5, 2.5, 7.0, 3.5].map(Some).to_vec();
             let labels: Vec<String> = labels.iter().map(|l| (*l).to_owned()).collect();
             groups(&labels, &values).unwrap().to_string()
         };
         let three = of_groups(&["a", "a", "a", "b", "b", "b", "c", "c", "c"]);
         assert_eq!(three.matches(", p_Games-Howell ").count(), 3, "{three}");
         let two = of_groups(&["a", "a", "a", "a", "b", "b", "b", "b", "b"]);
-        assert!(
-            two.contains("welch_t: t(") && !two.contains("Howell"),
-            "{two}"
-        );
+        assert!(two.contains("welch_t: t(") && !two.contains("Howell"), "{two}");
     }
 
     #[test]

@@ -104,13 +104,7 @@ pub fn bayes_correlation(
     if bayes_r.bf10.is_none() || bayes_r.bf01.is_none() || bayes_r.bf10_kappa1.is_none() {
         undefined.note_below("bayes_r", &factors, TOO_LARGE);
     }
-    Ok(BayesCorrelationAnalysis {
-        missing: pairs.missing,
-        bayes_r,
-        prior,
-        prior_kappa1,
-        undefined,
-    })
+    Ok(BayesCorrelationAnalysis { missing: pairs.missing, bayes_r, prior, prior_kappa1, undefined })
 }
 
 /// ln of √π 2^(1-2a) / B(a, a) · Γ((n+2a-1)/2) / Γ((n+2a)/2) · F((n-1)/2, (n-1)/2; (n+2a)/2; r²), a = 1/κ.
@@ -125,11 +119,7 @@ fn log_bf10(r: f64, n: f64, kappa: f64) -> f64 {
 /// ln F(b, b; c; z) for 0 ≤ z < 1 and c > b, by the series or, where that converges faster, by Euler's transformation of it.
 fn ln_hypergeometric(b: f64, c: f64, z: f64) -> f64 {
     let excess = c - 2.0 * b;
-    let (b, outside) = if excess < 0.0 {
-        (c - b, excess * libm::log1p(-z))
-    } else {
-        (b, 0.0)
-    };
+    let (b, outside) = if excess < 0.0 { (c - b, excess * libm::log1p(-z)) } else { (b, 0.0) };
     let (mut term, mut sum, mut k) = (1.0_f64, 1.0_f64, 0.0);
     // All terms are positive.
     while term > 1e-17 * sum && k < 1e7 {

@@ -21,11 +21,7 @@ pub struct Prior {
 
 impl Prior {
     fn new(family: &str, scale: f64, parameter: &str) -> Self {
-        Self {
-            family: family.to_owned(),
-            scale,
-            parameter: parameter.to_owned(),
-        }
+        Self { family: family.to_owned(), scale, parameter: parameter.to_owned() }
     }
 }
 

@@ -128,11 +128,7 @@ pub fn bayes_groups(
 
 /// That of BayesFactor and JASP.
 fn prior() -> Prior {
-    Prior::new(
-        "Cauchy",
-        std::f64::consts::FRAC_1_SQRT_2,
-        "standardised effect",
-    )
+    Prior::new("Cauchy", std::f64::consts::FRAC_1_SQRT_2, "standardised effect")
 }
 
 fn of_sample(differences: &[f64], constant: bool) -> (BayesT, Reasons) {
@@ -164,14 +160,7 @@ fn of_t(
     if ln.is_some() && (bf10.is_none() || bf01.is_none()) {
         reasons.note_all(&["bf10", "bf01"], TOO_LARGE);
     }
-    BayesT {
-        n,
-        values,
-        t: t.map(|(t, _)| t),
-        log_bf10: ln,
-        bf10,
-        bf01,
-    }
+    BayesT { n, values, t: t.map(|(t, _)| t), log_bf10: ln, bf10, bf01 }
 }
 
 /// ln of the JZS Bayes factor.
@@ -193,9 +182,8 @@ fn log_bf10(t: f64, n: f64, df: f64) -> f64 {
     // Above x = 2 ln t the terms fall as exp(-x).
     let last = (45.0 + 2.0 * libm::log(1.0 + t.abs())) / STEP;
     let first = -8.0 / STEP;
-    let terms: Vec<f64> = (first as i32..=last as i32)
-        .map(|i| ln_term(STEP * f64::from(i)))
-        .collect();
+    let terms: Vec<f64> =
+        (first as i32..=last as i32).map(|i| ln_term(STEP * f64::from(i))).collect();
     let top = terms.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let sum: f64 = terms.iter().map(|ln| libm::exp(ln - top)).sum();
     top + libm::log(STEP * sum) - without

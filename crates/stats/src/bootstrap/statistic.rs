@@ -68,10 +68,8 @@ impl Sample {
                 BootstrapData::Within(data),
             ) => {
                 let rows: Vec<f64> = data.rows().flat_map(centred).collect();
-                let squares = rows
-                    .chunks_exact(data.k())
-                    .map(|r| r.iter().map(|v| v * v).sum())
-                    .collect();
+                let squares =
+                    rows.chunks_exact(data.k()).map(|r| r.iter().map(|v| v * v).sum()).collect();
                 let pivot = data.values()[0];
                 let mean =
                     |row: &[f64]| row.iter().map(|v| v - pivot).sum::<f64>() / row.len() as f64;
@@ -139,11 +137,8 @@ impl Sample {
         match self {
             Self::Mean(values) => {
                 let pivot = values[0];
-                let sum: f64 = values
-                    .iter()
-                    .zip(counts)
-                    .map(|(v, &c)| (v - pivot) * f64::from(c))
-                    .sum();
+                let sum: f64 =
+                    values.iter().zip(counts).map(|(v, &c)| (v - pivot) * f64::from(c)).sum();
                 Some(pivot + sum / f64::from(total))
             }
             Self::Median(sorted) => {
@@ -161,26 +156,14 @@ impl Sample {
             Self::Spearman(x, y) => {
                 let repeat = |v: &[f64]| -> Vec<f64> {
                     let rows = v.iter().zip(counts);
-                    rows.flat_map(|(v, &c)| std::iter::repeat_n(*v, c as usize))
-                        .collect()
+                    rows.flat_map(|(v, &c)| std::iter::repeat_n(*v, c as usize)).collect()
                 };
                 let rank = |v: &[f64]| -> Vec<f64> {
-                    ranks::doubled(&repeat(v))
-                        .0
-                        .iter()
-                        .map(|&r| r as f64)
-                        .collect()
+                    ranks::doubled(&repeat(v)).0.iter().map(|&r| r as f64).collect()
                 };
                 correlation::coefficient(&rank(x), &rank(y))
             }
-            Self::Share {
-                which,
-                rows,
-                squares,
-                means,
-                k,
-                floor,
-            } => {
+            Self::Share { which, rows, squares, means, k, floor } => {
                 let mut sums = [0.0_f64; 16];
                 let mut long;
                 let sums: &mut [f64] = if *k <= 16 {
@@ -210,10 +193,7 @@ impl Sample {
                 let (above, below) = match which {
                     Statistic::Eta2Partial => (condition, within),
                     Statistic::Eta2Generalized => (condition, within + subject),
-                    _ => (
-                        condition - freedom * mse,
-                        within + subject + subject / (n - 1.0),
-                    ),
+                    _ => (condition - freedom * mse, within + subject + subject / (n - 1.0)),
                 };
                 (below > floor * rows.len() as f64).then(|| (above / below).min(1.0))
             }

@@ -135,9 +135,7 @@ fn fitted(data: &DesignColumns<'_>) -> Result<CarriedOver, NoCarryOver> {
         ];
         random_by_factor(data.subjects, &formula, &[name], &predictors, data.values)
     });
-    let model = model.map_err(|e| NoCarryOver::Refused {
-        problem: e.to_string(),
-    })?;
+    let model = model.map_err(|e| NoCarryOver::Refused { problem: e.to_string() })?;
     let of_term = |(coefficient, effect): (&str, &FixedEffect)| {
         let level = coefficient.strip_prefix(TERM)?.strip_prefix('[')?;
         Some((level.strip_suffix(']')?.to_owned(), effect.clone()))
@@ -185,20 +183,14 @@ impl Met {
         for person_rows in &of_person {
             for &row in person_rows {
                 let earlier = data.periods[row].checked_sub(1);
-                before[row] = person_rows
-                    .iter()
-                    .copied()
-                    .find(|r| Some(data.periods[*r]) == earlier);
+                before[row] =
+                    person_rows.iter().copied().find(|r| Some(data.periods[*r]) == earlier);
             }
         }
         Self {
             of_person,
             condition: cells.rows,
-            period: data
-                .periods
-                .iter()
-                .map(|period| period.saturating_sub(1))
-                .collect(),
+            period: data.periods.iter().map(|period| period.saturating_sub(1)).collect(),
             before,
             conditions: cells.names.len(),
             periods: data.periods.iter().copied().max().unwrap_or(0),
@@ -209,9 +201,8 @@ impl Met {
     fn orders(&self) -> usize {
         let order_of = |rows: &Vec<usize>| {
             let met = rows.iter();
-            let mut order: Vec<(usize, usize)> = met
-                .map(|&row| (self.period[row], self.condition[row]))
-                .collect();
+            let mut order: Vec<(usize, usize)> =
+                met.map(|&row| (self.period[row], self.condition[row])).collect();
             order.sort_unstable();
             order
         };
@@ -253,9 +244,8 @@ impl Met {
             _ => 0.0,
         };
         let pairs = (0..k).flat_map(|i| (0..i).map(move |j| (i, j)));
-        let of_pairs: Vec<f64> = pairs
-            .map(|(i, j)| entry(i, i) + entry(j, j) - 2.0 * entry(i, j))
-            .collect();
+        let of_pairs: Vec<f64> =
+            pairs.map(|(i, j)| entry(i, i) + entry(j, j) - 2.0 * entry(i, j)).collect();
         Some(of_pairs.iter().sum::<f64>() / of_pairs.len() as f64)
     }
 }

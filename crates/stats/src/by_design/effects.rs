@@ -35,10 +35,8 @@ pub struct EffectTest {
 impl EffectTest {
     /// Whether all people order the levels alike, so that Friedman's χ² decides where F would.
     pub fn is_unanimous(&self) -> bool {
-        let friedman = matches!(
-            self.method,
-            EffectMethod::Friedman | EffectMethod::FriedmanOfDifferences
-        );
+        let friedman =
+            matches!(self.method, EffectMethod::Friedman | EffectMethod::FriedmanOfDifferences);
         friedman && self.statistic.is_some() && self.df2.is_none()
     }
 
@@ -141,9 +139,7 @@ impl Effects<'_> {
     }
 
     fn inside(&self, within: usize) -> Vec<bool> {
-        (0..self.shape.within.len())
-            .map(|f| within >> f & 1 == 1)
-            .collect()
+        (0..self.shape.within.len()).map(|f| within >> f & 1 == 1).collect()
     }
 
     fn strata(&self, name: &str, method: EffectMethod) -> EffectTest {
@@ -160,10 +156,7 @@ impl Effects<'_> {
         let kept = self.inside(within.map_or(0, |(_, _, within)| *within));
         let sums = self.design.sums(&kept);
         let factors = self.shape.within.iter().zip(&kept);
-        let levels: Vec<usize> = factors
-            .filter(|(_, kept)| **kept)
-            .map(|((_, k), _)| *k)
-            .collect();
+        let levels: Vec<usize> = factors.filter(|(_, kept)| **kept).map(|((_, k), _)| *k).collect();
         let mut test = EffectTest::untested(method);
         match method {
             EffectMethod::SignedRanks => {
@@ -175,10 +168,9 @@ impl Effects<'_> {
             }
             EffectMethod::Friedman | EffectMethod::FriedmanOfDifferences => {
                 let rows = match levels[..] {
-                    [2, k] => sums
-                        .iter()
-                        .map(|s| (0..k).map(|j| s[j] - s[k + j]).collect())
-                        .collect(),
+                    [2, k] => {
+                        sums.iter().map(|s| (0..k).map(|j| s[j] - s[k + j]).collect()).collect()
+                    }
                     [k, _] => sums
                         .iter()
                         .map(|s| (0..k).map(|j| s[2 * j] - s[2 * j + 1]).collect())
@@ -220,10 +212,7 @@ fn signed(sums: &[Vec<f64>], factors: usize) -> Vec<Vec<f64>> {
     let row = |row: &Vec<f64>| {
         let side = |side: bool| {
             let cells = row.iter().enumerate();
-            cells
-                .filter(|(cell, _)| minus(*cell) == side)
-                .map(|(_, v)| v)
-                .sum()
+            cells.filter(|(cell, _)| minus(*cell) == side).map(|(_, v)| v).sum()
         };
         vec![side(false), side(true)]
     };

@@ -17,14 +17,14 @@ pub(super) fn several(
 ) -> Result<ByDesign, StatsError> {
     let (design, shape, covariates) = shaped(data)?;
     let [inside, people] = design.standardised_residuals();
-    let checks: Vec<_> = [
-        ("the standardised residuals", inside),
-        ("the subjects' standardised means", people),
-    ]
-    .into_iter()
-    .filter(|(_, residuals)| !residuals.is_empty())
-    .map(|(name, residuals)| AssumptionCheck::of_normality(name, &shapiro_wilk(&residuals).0))
-    .collect();
+    let checks: Vec<_> =
+        [("the standardised residuals", inside), ("the subjects' standardised means", people)]
+            .into_iter()
+            .filter(|(_, residuals)| !residuals.is_empty())
+            .map(|(name, residuals)| {
+                AssumptionCheck::of_normality(name, &shapiro_wilk(&residuals).0)
+            })
+            .collect();
     let (mut normal, mut words) = judged(&checks);
     if let Some(order) = order_alone(choice.scale, data.values) {
         (normal, words) = (false, order);
@@ -58,11 +58,7 @@ pub(super) fn several(
     }
     let ranked = tests.values().any(|test| test.method.is_of_ranks());
     Ok(ByDesign::Factorial(Box::new(Chosen {
-        chosen: if ranked {
-            ChosenTest::Ranks
-        } else {
-            ChosenTest::Factorial
-        },
+        chosen: if ranked { ChosenTest::Ranks } else { ChosenTest::Factorial },
         reasons,
         checks,
         found: FactorialFinding { anova, tests },
@@ -90,12 +86,7 @@ pub(super) fn tested(
     normal: bool,
 ) -> Result<(Factorial, Named<EffectTest>), StatsError> {
     let anova = factorial(design);
-    let effects = Effects {
-        shape,
-        design,
-        anova: &anova,
-        covariates,
-    };
+    let effects = Effects { shape, design, anova: &anova, covariates };
     let tests = effects.tests(plan, normal)?;
     Ok((anova, tests))
 }
@@ -148,8 +139,7 @@ fn with_covariates(data: &DesignColumns<'_>) -> Vec<Option<f64>> {
         })
         .collect();
     let rows = people.rows.iter().zip(data.values);
-    rows.map(|(&person, value)| value.filter(|_| known[person]))
-        .collect()
+    rows.map(|(&person, value)| value.filter(|_| known[person])).collect()
 }
 
 /// Each covariate of the complete subjects.
@@ -163,22 +153,14 @@ fn of_subjects<'a>(
     };
     let one = |(name, cells): &(&'a str, &[Option<f64>])| SubjectCovariate {
         name,
-        values: design
-            .subjects()
-            .iter()
-            .filter_map(|subject| value(cells, subject))
-            .collect(),
+        values: design.subjects().iter().filter_map(|subject| value(cells, subject)).collect(),
     };
     data.covariates.iter().map(one).collect()
 }
 
 fn shape_of(data: &DesignColumns<'_>, design: &FactorialDesign) -> Result<DesignShape, StatsError> {
-    let levels = |factors: &[Factor]| {
-        factors
-            .iter()
-            .map(|f| (f.name.clone(), f.levels.len()))
-            .collect()
-    };
+    let levels =
+        |factors: &[Factor]| factors.iter().map(|f| (f.name.clone(), f.levels.len())).collect();
     let products = products(data)?;
     let with = |name: &str| -> Vec<String> {
         let of_this = products.iter().filter(|(covariate, _)| *covariate == name);

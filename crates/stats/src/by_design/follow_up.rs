@@ -96,20 +96,12 @@ pub fn follow_up(
     let mut contrast = Vec::new();
     for (factor, levels) in anova.levels.iter() {
         let name = format!("contrast.{factor}");
-        let pairs = level_pairs(
-            &data,
-            whole,
-            (factor, levels),
-            None,
-            (&name, &mut undefined),
-        );
+        let pairs = level_pairs(&data, whole, (factor, levels), None, (&name, &mut undefined));
         contrast.push((factor.to_owned(), pairs));
     }
     let mut simple = Vec::new();
     for effect in simple_effects(&data, whole)? {
-        let SimpleTest {
-            factor, at, level, ..
-        } = &effect;
+        let SimpleTest { factor, at, level, .. } = &effect;
         let name = format!("simple.{factor}@{at}:{level}");
         if let Some(why) = &effect.why_not {
             undefined.note(&name, why.as_str());
@@ -117,20 +109,12 @@ pub fn follow_up(
         let levels = anova.levels.get(factor).filter(|levels| levels.len() > 2);
         let pairs = levels.map_or_else(Named::default, |levels| {
             let held = Some((at.as_str(), level.as_str()));
-            level_pairs(
-                &data,
-                whole,
-                (factor, levels),
-                held,
-                (&name, &mut undefined),
-            )
+            level_pairs(&data, whole, (factor, levels), held, (&name, &mut undefined))
         });
         simple.push(SimplePairs { effect, pairs });
     }
     Ok(FollowUp {
-        covariates: (data.covariates.iter())
-            .map(|(name, _)| (*name).to_owned())
-            .collect(),
+        covariates: (data.covariates.iter()).map(|(name, _)| (*name).to_owned()).collect(),
         emm,
         contrast: contrast.into_iter().collect(),
         simple,
@@ -182,10 +166,8 @@ fn means(
         };
         let mask = between | within << shape.between.len();
         let inside = factors.iter().enumerate();
-        let inside: Vec<(&str, &Vec<String>)> = inside
-            .filter(|(f, _)| mask >> f & 1 == 1)
-            .map(|(_, factor)| *factor)
-            .collect();
+        let inside: Vec<(&str, &Vec<String>)> =
+            inside.filter(|(f, _)| mask >> f & 1 == 1).map(|(_, factor)| *factor).collect();
         let mut cells: Vec<Vec<&str>> = vec![Vec::new()];
         for (_, levels) in &inside {
             let mut longer = Vec::new();
@@ -203,11 +185,8 @@ fn means(
                 factor.levels.iter().position(|level| level == cell[place])
             };
             let (groups, weights) = cell_weights(&design, position);
-            let scores = Scores {
-                design: &design,
-                sides: design.weighted_sides(&weights),
-                weights: groups,
-            };
+            let scores =
+                Scores { design: &design, sides: design.weighted_sides(&weights), weights: groups };
             let contrast = if covariates.is_empty() {
                 scores.by_welch(test.method)
             } else {

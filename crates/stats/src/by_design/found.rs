@@ -235,9 +235,7 @@ impl ByDesign {
             Self::Groups(chosen) => vec![("omnibus", group_p(chosen.chosen, &chosen.found))],
             Self::Mixed(chosen) => {
                 let terms = chosen.found.model.anova.iter();
-                terms
-                    .map(|(name, _)| (name, chosen.found.p(name)))
-                    .collect()
+                terms.map(|(name, _)| (name, chosen.found.p(name))).collect()
             }
             Self::Ordinal(chosen) => {
                 let p = chosen.found.small_sample.as_ref().map(|test| test.p);

@@ -14,15 +14,11 @@ pub(super) fn independent(
 ) -> Result<ByDesign, StatsError> {
     Index::from_labels(data.subjects).distinct("subject")?;
     let rows = group.iter().zip(data.values);
-    let (names, values): (Vec<String>, Vec<Option<f64>>) = rows
-        .filter_map(|(group, value)| Some((group.clone()?, *value)))
-        .unzip();
+    let (names, values): (Vec<String>, Vec<Option<f64>>) =
+        rows.filter_map(|(group, value)| Some((group.clone()?, *value))).unzip();
     let comparison = groups(&names, &values)?;
     let (test, _) = shapiro_wilk(&standardised(&Index::from_labels(&names).rows, &values));
-    let checks = vec![AssumptionCheck::of_normality(
-        "the standardised residuals",
-        &test,
-    )];
+    let checks = vec![AssumptionCheck::of_normality("the standardised residuals", &test)];
     let (normal, mut words) = judged(&checks);
     let ranked = said_of_ordinal(choice, "their ranks are compared");
     let normal = normal && choice.scale != OutcomeScale::Ordinal;
@@ -32,22 +28,13 @@ pub(super) fn independent(
     let (chosen, name) = match (normal, comparison.several.is_some()) {
         (true, false) => (ChosenTest::WelchT, "Welch's t"),
         (false, false) => (ChosenTest::MannWhitney, "Mann-Whitney"),
-        (true, true) => (
-            ChosenTest::WelchAnova,
-            "Welch's analysis of variance, pairs after Games and Howell",
-        ),
-        (false, true) => (
-            ChosenTest::KruskalWallis,
-            "Kruskal-Wallis, pairs after Dunn",
-        ),
+        (true, true) => {
+            (ChosenTest::WelchAnova, "Welch's analysis of variance, pairs after Games and Howell")
+        }
+        (false, true) => (ChosenTest::KruskalWallis, "Kruskal-Wallis, pairs after Dunn"),
     };
     reasons.push(format!("independent groups; {words}: {name}"));
-    Ok(ByDesign::Groups(Box::new(Chosen {
-        chosen,
-        reasons,
-        checks,
-        found: comparison,
-    })))
+    Ok(ByDesign::Groups(Box::new(Chosen { chosen, reasons, checks, found: comparison })))
 }
 
 /// Values less their group's mean, over its root mean square; 0 where a group does not vary.

@@ -38,9 +38,7 @@ pub(super) fn subjects_with_gaps<'a>(data: &DesignColumns<'a>) -> BTreeSet<&'a s
             person_cells.insert(cell(row));
         }
     }
-    let short = filled
-        .into_iter()
-        .filter(|(_, person_cells)| person_cells.len() < cells.len());
+    let short = filled.into_iter().filter(|(_, person_cells)| person_cells.len() < cells.len());
     short.map(|(subject, _)| subject).collect()
 }
 
@@ -102,13 +100,8 @@ pub(super) fn mixed(
     let mut beside: Vec<&str> = data.covariates.iter().map(|(name, _)| *name).collect();
     // It is in no product: each condition is met in every period.
     beside.extend((!periods.is_empty()).then_some(PERIOD));
-    let factors = factors
-        .iter()
-        .map(|(name, cells)| (*name, Predictor::Factor(cells)));
-    let numbers = data
-        .covariates
-        .iter()
-        .map(|(name, cells)| (*name, Predictor::Covariate(cells)));
+    let factors = factors.iter().map(|(name, cells)| (*name, Predictor::Factor(cells)));
+    let numbers = data.covariates.iter().map(|(name, cells)| (*name, Predictor::Covariate(cells)));
     let period = (PERIOD, Predictor::Factor(&periods));
     let predictors: Vec<(&str, Predictor<'_>)> = factors.chain(numbers).chain([period]).collect();
     let mut formula = Formula::crossed(&names, &beside)?;
@@ -132,11 +125,7 @@ pub(super) fn mixed(
                 .to_owned(),
         );
     }
-    let finding = MixedFinding {
-        model,
-        corrected,
-        own_error,
-    };
+    let finding = MixedFinding { model, corrected, own_error };
     Ok(ByDesign::Mixed(Box::new(Chosen {
         chosen: ChosenTest::Mixed,
         reasons,
@@ -147,10 +136,7 @@ pub(super) fn mixed(
 
 /// Periods as the labels of a factor.
 pub(super) fn labels(periods: &[usize]) -> Vec<Option<String>> {
-    periods
-        .iter()
-        .map(|period| Some(period.to_string()))
-        .collect()
+    periods.iter().map(|period| Some(period.to_string())).collect()
 }
 
 /// A covariate, and the factors within subjects that it is multiplied by.
@@ -177,10 +163,7 @@ pub(super) fn products<'a>(data: &DesignColumns<'a>) -> Result<Vec<Product<'a>>,
                 let known: Vec<String> = effects.iter().map(|e| e.join(":")).collect();
                 return Err(StatsError::formula(
                     format!("{covariate}:{effect}"),
-                    format!(
-                        "a covariate with an effect within subjects ({})",
-                        known.join(", ")
-                    ),
+                    format!("a covariate with an effect within subjects ({})", known.join(", ")),
                 ));
             };
             products.push((*covariate, factors.clone()));
@@ -200,12 +183,7 @@ fn corrected(data: &DesignColumns<'_>, model: &RandomIntercept) -> Named<Correct
         let epsilon = complete.sphericity.get(name)?.gg?;
         let (df1, df2) = (test.df1 as f64 * epsilon, test.df2? * epsilon);
         let p = f_upper(test.f, df1, df2);
-        let term = CorrectedTerm {
-            epsilon,
-            df1,
-            df2,
-            p,
-        };
+        let term = CorrectedTerm { epsilon, df1, df2, p };
         Some((name.to_owned(), term))
     };
     model.anova.iter().filter_map(one).collect()

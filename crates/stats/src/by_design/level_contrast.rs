@@ -86,9 +86,7 @@ pub fn level_contrast(
     let effect = effect.collect::<Vec<_>>().join(":");
     let test = whole.found.tests.get(&effect);
     let effects = || whole.found.tests.iter().map(|(name, _)| name);
-    let method = test
-        .ok_or_else(|| unknown("an effect", &effect, effects()))?
-        .method;
+    let method = test.ok_or_else(|| unknown("an effect", &effect, effects()))?.method;
     let held = parts.iter().filter_map(|(factor, choice)| match choice {
         LevelChoice::At(level) => Some((*factor, level)),
         LevelChoice::Pair(_) => None,
@@ -105,11 +103,7 @@ pub fn level_contrast(
     let inside = inside.fold(0, |mask, (f, _)| mask | 1 << f);
     covariates.retain(|covariate| shape.has_covariate(inside, covariate.name));
     let (groups, cells) = level_weights(&design, &pair);
-    let scores = Scores {
-        design: &design,
-        sides: design.weighted_sides(&cells),
-        weights: groups,
-    };
+    let scores = Scores { design: &design, sides: design.weighted_sides(&cells), weights: groups };
     Ok(match method {
         EffectMethod::SignedRanks
         | EffectMethod::Friedman
@@ -140,18 +134,12 @@ struct Fit {
 
 impl Scores<'_> {
     fn of_people(&self) -> Vec<f64> {
-        self.sides
-            .iter()
-            .map(|[plus, minus]| plus - minus)
-            .collect()
+        self.sides.iter().map(|[plus, minus]| plus - minus).collect()
     }
 
     fn of_group(&self, group: usize) -> Vec<f64> {
         let people = self.of_people().into_iter().zip(self.design.group());
-        people
-            .filter(|(_, g)| **g == group)
-            .map(|(s, _)| s)
-            .collect()
+        people.filter(|(_, g)| **g == group).map(|(s, _)| s).collect()
     }
 
     /// Without a test.
@@ -175,11 +163,7 @@ impl Scores<'_> {
 
     fn by_t(&self, method: EffectMethod, estimate: f64, se: f64, df: f64) -> LevelContrast {
         let plain = self.plain(method);
-        let scale = self
-            .sides
-            .iter()
-            .flatten()
-            .fold(0.0, |m: f64, v| m.max(v.abs()));
+        let scale = self.sides.iter().flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
         if !(df > 0.0 && df.is_finite()) || is_rounding(se, scale) {
             return LevelContrast { estimate, ..plain };
         }
@@ -209,11 +193,7 @@ impl Scores<'_> {
             }
         }
         let estimate = self.plain(method).estimate;
-        let df = if alone {
-            0.0
-        } else {
-            variance * variance / below
-        };
+        let df = if alone { 0.0 } else { variance * variance / below };
         self.by_t(method, estimate, variance.sqrt(), df)
     }
 

@@ -25,9 +25,7 @@ pub(super) fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String
     }
     let count = different.len();
     if count > MOST_ANSWERS {
-        return Err(format!(
-            "{count} different answers are more than {MOST_ANSWERS}"
-        ));
+        return Err(format!("{count} different answers are more than {MOST_ANSWERS}"));
     }
     Ok(format!("{count} different whole answers"))
 }
@@ -36,10 +34,7 @@ pub(super) fn few_whole_answers(values: &[Option<f64>]) -> Result<String, String
 fn as_short_as_shows_it(part: f64) -> String {
     let written = |decimals: usize| apa::number(part, decimals);
     let is_whole = |text: &String| text.ends_with('0') && text.trim_end_matches('0').ends_with('.');
-    (2..=15)
-        .map(written)
-        .find(|text| !is_whole(text))
-        .unwrap_or_else(|| part.to_string())
+    (2..=15).map(written).find(|text| !is_whole(text)).unwrap_or_else(|| part.to_string())
 }
 
 /// Whether the answers are modelled as ordered, and why.
@@ -53,16 +48,12 @@ pub(super) fn as_answers(scale: OutcomeScale, values: &[Option<f64>]) -> (bool, 
             )),
         ),
         (OutcomeScale::Measure, Err(_)) => (false, None),
-        (OutcomeScale::Rating, Ok(words)) => (
-            true,
-            Some(format!(
-                "an item ({words}), of which only the order counts: {MODEL}"
-            )),
-        ),
-        (OutcomeScale::Rating, Err(why)) => (
-            false,
-            Some(format!("a scale, not an item ({why}): its distances count")),
-        ),
+        (OutcomeScale::Rating, Ok(words)) => {
+            (true, Some(format!("an item ({words}), of which only the order counts: {MODEL}")))
+        }
+        (OutcomeScale::Rating, Err(why)) => {
+            (false, Some(format!("a scale, not an item ({why}): its distances count")))
+        }
         (OutcomeScale::Ordinal, _) => (true, Some(format!("ordered answers, as asked: {MODEL}"))),
     }
 }
@@ -128,10 +119,7 @@ mod tests {
     #[test]
     fn a_mean_of_items_is_named_with_as_many_decimals_as_tell_it_from_an_item() {
         let why = |value: f64| few_whole_answers(&[Some(1.0), Some(value)]).unwrap_err();
-        assert_eq!(
-            why(35.0 / 6.0),
-            "5.83 is no whole number: a mean of items, not an item"
-        );
+        assert_eq!(why(35.0 / 6.0), "5.83 is no whole number: a mean of items, not an item");
         assert!(why(3.0004).starts_with("3.0004 is"));
         assert!(why(-0.5).starts_with("−0.50 is"));
         assert_eq!(

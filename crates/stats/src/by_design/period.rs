@@ -91,15 +91,11 @@ fn ordered(
     let met: BTreeSet<usize> = met.filter(|(_, v)| v.is_some()).map(|(p, _)| *p).collect();
     let further = met.len().saturating_sub(1);
     let lr = &model.quadrature.lr;
-    let small_sample = lr
-        .chi2
-        .and_then(|chi2| SmallSample::of_ratio(&model, chi2, lr.df, further));
+    let small_sample = lr.chi2.and_then(|chi2| SmallSample::of_ratio(&model, chi2, lr.df, further));
     let period = if further > 0 {
         let (without, _) = by_period(data.subjects, conditions, &[], data.values)?;
         let top = |model: &Ordinal| model.quadrature.log_likelihood;
-        let chi2 = top(&model)
-            .zip(top(&without))
-            .map(|(with, without)| 2.0 * (with - without));
+        let chi2 = top(&model).zip(top(&without)).map(|(with, without)| 2.0 * (with - without));
         chi2.and_then(|chi2| SmallSample::of_ratio(&model, chi2.max(0.0), further, lr.df))
     } else {
         None
@@ -120,13 +116,6 @@ fn ordered(
         chosen: ChosenTest::Ordinal,
         reasons,
         checks: Vec::new(),
-        found: OrdinalFinding {
-            small_sample,
-            period,
-            contrast,
-            ratio,
-            model,
-            beside: None,
-        },
+        found: OrdinalFinding { small_sample, period, contrast, ratio, model, beside: None },
     })))
 }

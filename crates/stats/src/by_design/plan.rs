@@ -100,11 +100,7 @@ pub struct PlannedEffect {
 
 impl PlannedEffect {
     pub(super) fn method(&self, normal: bool) -> EffectMethod {
-        if normal {
-            self.normal
-        } else {
-            self.far_from_normal
-        }
+        if normal { self.normal } else { self.far_from_normal }
     }
 }
 
@@ -151,11 +147,7 @@ impl DesignPlan {
             .into_iter()
             .map(|(effect, between, within)| {
                 let (normal, far_from_normal) = shape.methods(between, within);
-                PlannedEffect {
-                    effect,
-                    normal,
-                    far_from_normal,
-                }
+                PlannedEffect { effect, normal, far_from_normal }
             })
             .collect();
         let regression = |effect: String| PlannedEffect {
@@ -193,9 +185,7 @@ impl DesignShape {
     /// The factors of a part within subjects, joined by `:`.
     pub(super) fn name_within(&self, within: Mask) -> String {
         let names = self.within.iter().enumerate();
-        let names = names
-            .filter(|(f, _)| has(within, *f))
-            .map(|(_, (name, _))| name.as_str());
+        let names = names.filter(|(f, _)| has(within, *f)).map(|(_, (name, _))| name.as_str());
         names.collect::<Vec<_>>().join(":")
     }
 
@@ -217,10 +207,7 @@ impl DesignShape {
     /// Degrees of freedom within subjects.
     fn freedom(&self, within: Mask) -> usize {
         let levels = self.within.iter().enumerate();
-        levels
-            .filter(|(f, _)| has(within, *f))
-            .map(|(_, (_, k))| k - 1)
-            .product()
+        levels.filter(|(f, _)| has(within, *f)).map(|(_, (_, k))| k - 1).product()
     }
 
     fn methods(&self, between: Mask, within: Mask) -> (EffectMethod, EffectMethod) {
@@ -256,18 +243,13 @@ mod tests {
     fn shape(within: &[(&str, usize)], between: &[(&str, usize)]) -> DesignShape {
         let owned =
             |all: &[(&str, usize)]| all.iter().map(|(n, k)| ((*n).to_owned(), *k)).collect();
-        DesignShape {
-            within: owned(within),
-            between: owned(between),
-            covariates: Vec::new(),
-        }
+        DesignShape { within: owned(within), between: owned(between), covariates: Vec::new() }
     }
 
     fn methods(shape: &DesignShape) -> Vec<(String, EffectMethod, EffectMethod)> {
         let plan = DesignPlan::of(shape);
         let all = plan.effects.into_iter();
-        all.map(|e| (e.effect, e.normal, e.far_from_normal))
-            .collect()
+        all.map(|e| (e.effect, e.normal, e.far_from_normal)).collect()
     }
 
     #[test]
@@ -283,11 +265,7 @@ mod tests {
             ]
         );
         let small = shape(&[("a", 2), ("t", 2)], &[]);
-        assert!(
-            methods(&small)
-                .iter()
-                .all(|(_, _, far)| *far == M::SignedRanks)
-        );
+        assert!(methods(&small).iter().all(|(_, _, far)| *far == M::SignedRanks));
     }
 
     #[test]

@@ -45,8 +45,7 @@ impl DesignTable {
             less: Option<&str>,
         ) -> Vec<(String, Vec<T>)> {
             let stay = all.iter().filter(|(name, _)| Some(*name) != less);
-            stay.map(|(name, cells)| ((*name).to_owned(), these(cells, rows)))
-                .collect()
+            stay.map(|(name, cells)| ((*name).to_owned(), these(cells, rows))).collect()
         }
         fn these<T: Clone>(cells: &[T], rows: &[usize]) -> Vec<T> {
             rows.iter().map(|row| cells[*row].clone()).collect()
@@ -62,13 +61,8 @@ impl DesignTable {
             within: columns(&data.within, rows, less),
             between: columns(&data.between, rows, less),
             covariates: columns(&data.covariates, rows, None),
-            with: with
-                .map(|(n, with)| ((*n).to_owned(), products(with)))
-                .collect(),
-            periods: rows
-                .iter()
-                .filter_map(|row| data.periods.get(*row).copied())
-                .collect(),
+            with: with.map(|(n, with)| ((*n).to_owned(), products(with))).collect(),
+            periods: rows.iter().filter_map(|row| data.periods.get(*row).copied()).collect(),
             values: these(data.values, rows),
             labels: Vec::new(),
         }
@@ -77,9 +71,7 @@ impl DesignTable {
     /// The table borrowed, as the tests take it.
     pub fn columns(&self) -> DesignColumns<'_> {
         fn columns<T>(all: &[(String, Vec<T>)]) -> Vec<(&str, &[T])> {
-            all.iter()
-                .map(|(n, cells)| (n.as_str(), &cells[..]))
-                .collect()
+            all.iter().map(|(n, cells)| (n.as_str(), &cells[..])).collect()
         }
         let with = self.with.iter();
         DesignColumns {
@@ -92,9 +84,7 @@ impl DesignTable {
                 .collect(),
             periods: &self.periods,
             values: &self.values,
-            labels: (self.labels.iter())
-                .map(|(n, label)| (n.as_str(), label.as_str()))
-                .collect(),
+            labels: (self.labels.iter()).map(|(n, label)| (n.as_str(), label.as_str())).collect(),
         }
     }
 }

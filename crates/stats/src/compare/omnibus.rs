@@ -139,12 +139,7 @@ pub(super) fn of_friedman(friedman: &Friedman) -> Omnibus {
 pub(super) fn of_pair(test: OmnibusTest, posthoc: &Posthoc) -> Omnibus {
     let pair = posthoc.pairs.values().next();
     let effect = pair.map_or(
-        Effect {
-            name: EffectName::Dz,
-            value: None,
-            ci: Interval::default(),
-            confidence: 0.95,
-        },
+        Effect { name: EffectName::Dz, value: None, ci: Interval::default(), confidence: 0.95 },
         |pair| pair.effect.clone(),
     );
     let exact = pair.and_then(|pair| pair.p_method) == Some(PMethod::Exact);

@@ -27,17 +27,10 @@ pub struct Kendall {
 fn tie_sums(values: &[f64]) -> (f64, f64, f64) {
     let (mut ranks, _) = ranks::doubled(values);
     ranks.sort_unstable();
-    ranks
-        .chunk_by(|a, b| a == b)
-        .map(|g| g.len() as f64)
-        .fold((0.0, 0.0, 0.0), |(a, b, c), t| {
-            let pairs = t * (t - 1.0);
-            (
-                a + 0.5 * pairs,
-                b + pairs * (t - 2.0),
-                c + pairs * (2.0 * t + 5.0),
-            )
-        })
+    ranks.chunk_by(|a, b| a == b).map(|g| g.len() as f64).fold((0.0, 0.0, 0.0), |(a, b, c), t| {
+        let pairs = t * (t - 1.0);
+        (a + 0.5 * pairs, b + pairs * (t - 2.0), c + pairs * (2.0 * t + 5.0))
+    })
 }
 
 pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
@@ -68,23 +61,13 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
     };
     let untied = tied_x + tied_y <= 0.0;
     let (p, method) = if untied && x.len() < 50 {
-        (
-            exact(x.len(), concordant.min(discordant) as usize),
-            PMethod::Exact,
-        )
+        (exact(x.len(), concordant.min(discordant) as usize), PMethod::Exact)
     } else {
-        let mixed = if n > 2.0 {
-            x1 * y1 / (9.0 * n * (n - 1.0) * (n - 2.0))
-        } else {
-            0.0
-        };
+        let mixed = if n > 2.0 { x1 * y1 / (9.0 * n * (n - 1.0) * (n - 2.0)) } else { 0.0 };
         let variance = (n * (n - 1.0) * (2.0 * n + 5.0) - x2 - y2) / 18.0
             + 2.0 * tied_x * tied_y / (n * (n - 1.0))
             + mixed;
-        (
-            normal_two_sided(difference / variance.sqrt()),
-            PMethod::Normal,
-        )
+        (normal_two_sided(difference / variance.sqrt()), PMethod::Normal)
     };
     let interval = (n > 4.0 && tau.abs() < 1.0)
         .then(|| super::fisher_interval(tau, (0.437 / (n - 4.0)).sqrt()));
@@ -92,12 +75,8 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Kendall, Reasons) {
         let reason = "the interval needs at least five pairs and a tau inside -1 to 1";
         reasons.note_ends(&["ci"], reason);
     }
-    let result = Kendall {
-        tau_b: Some(tau),
-        p: Some(p),
-        p_method: Some(method),
-        ci: interval.into(),
-    };
+    let result =
+        Kendall { tau_b: Some(tau), p: Some(p), p_method: Some(method), ci: interval.into() };
     (result, reasons)
 }
 

@@ -35,11 +35,7 @@ pub(crate) fn coefficient(x: &[f64], y: &[f64]) -> Option<f64> {
     let (xx, yy, xy) = (dot(&dx, &dx), dot(&dy, &dy), dot(&dx, &dy));
     let slope = xy / xx;
     let rounding = largest(y) + slope.abs() * largest(x);
-    if dx
-        .iter()
-        .zip(&dy)
-        .all(|(a, b)| is_rounding(b - slope * a, rounding))
-    {
+    if dx.iter().zip(&dy).all(|(a, b)| is_rounding(b - slope * a, rounding)) {
         return Some(1.0_f64.copysign(slope));
     }
     let r = xy / (xx.sqrt() * yy.sqrt());
@@ -63,9 +59,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Pearson, Reasons) {
     if p.is_none() {
         reasons.note("p", "two pairs leave no degrees of freedom");
     }
-    let interval = r
-        .filter(|_| n > 3.0)
-        .map(|r| fisher_interval(r, 1.0 / (n - 3.0).sqrt()));
+    let interval = r.filter(|_| n > 3.0).map(|r| fisher_interval(r, 1.0 / (n - 3.0).sqrt()));
     if interval.is_none() {
         reasons.note_ends(&["ci"], "the interval needs at least four pairs");
     }

@@ -81,11 +81,7 @@ pub fn rm_correlation(
     let (dx, dy) = (within(&complete.columns[0]), within(&complete.columns[1]));
     let mut undefined = Reasons::default();
     let df = n.saturating_sub(index.names.len() + 1);
-    let r = if df == 0 {
-        None
-    } else {
-        pearson::coefficient(&dx, &dy)
-    };
+    let r = if df == 0 { None } else { pearson::coefficient(&dx, &dy) };
     if r.is_none() {
         let reason = if df == 0 {
             "there are too few repeated pairs: no degrees of freedom are left"
@@ -94,9 +90,7 @@ pub fn rm_correlation(
         };
         undefined.note("rm_corr", reason);
     }
-    let interval = r
-        .filter(|_| df > 1)
-        .map(|r| fisher_interval(r, 1.0 / (df as f64 - 1.0).sqrt()));
+    let interval = r.filter(|_| df > 1).map(|r| fisher_interval(r, 1.0 / (df as f64 - 1.0).sqrt()));
     if interval.is_none() {
         let reason = "the interval needs at least two degrees of freedom";
         undefined.note_ends(&["rm_corr.ci"], reason);

@@ -55,12 +55,7 @@ fn centred_ranks(values: &[f64]) -> (Vec<i64>, bool) {
 
 /// ρ; `None` if a column is constant.
 fn of_ranks(x: &[i64], y: &[i64]) -> Option<f64> {
-    let dot = |a: &[i64], b: &[i64]| {
-        a.iter()
-            .zip(b)
-            .map(|(a, b)| i128::from(a * b))
-            .sum::<i128>()
-    };
+    let dot = |a: &[i64], b: &[i64]| a.iter().zip(b).map(|(a, b)| i128::from(a * b)).sum::<i128>();
     let (xx, yy, xy) = (dot(x, x), dot(y, y), dot(x, y));
     if xx == 0 || yy == 0 {
         return None;
@@ -108,11 +103,7 @@ pub(super) fn test(x: &[f64], y: &[f64]) -> (Spearman, Reasons) {
     let result = Spearman {
         rho: Some(rho),
         p: p_exact.or(p_t),
-        p_method: Some(if p_exact.is_some() {
-            PMethod::Exact
-        } else {
-            PMethod::T
-        }),
+        p_method: Some(if p_exact.is_some() { PMethod::Exact } else { PMethod::T }),
         df: Some(x.len() - 2),
         p_t,
         p_exact,
@@ -142,10 +133,6 @@ fn edgeworth(rho: f64, n: f64) -> f64 {
                     * (0.0879 + 0.0151 * b
                         - y * (0.0072 - 0.0831 * b + y * b * (0.0131 - 4.6e-4 * y)))));
     let correction = series / libm::exp(0.5 * y);
-    let tail = if upper {
-        normal_upper(x) + correction
-    } else {
-        normal_upper(-x) - correction
-    };
+    let tail = if upper { normal_upper(x) + correction } else { normal_upper(-x) - correction };
     (2.0 * tail.clamp(0.0, 1.0)).min(1.0)
 }

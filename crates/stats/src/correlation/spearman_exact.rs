@@ -54,10 +54,7 @@ impl Counts {
 fn assignments(x: &[i64], y: &[i64]) -> Vec<Counts> {
     let sets = 1_usize << y.len();
     let mut layer = vec![Counts::default(); sets];
-    layer[0] = Counts {
-        lowest: 0,
-        counts: vec![1.0],
-    };
+    layer[0] = Counts { lowest: 0, counts: vec![1.0] };
     for (done, &rank) in x.iter().enumerate() {
         let mut next = vec![Counts::default(); sets];
         for (set, counts) in layer.iter().enumerate() {
@@ -151,10 +148,7 @@ mod tests {
             let limit = x.iter().zip(&y).map(|(a, b)| a * b).sum::<i64>().abs();
             let (hits, all) = enumerated(&x, &mut y.clone(), 0, limit);
             let p = p_value(&x, &y).unwrap();
-            assert!(
-                (p - f64::from(hits) / f64::from(all)).abs() < 1e-14,
-                "{p} {hits} {all}"
-            );
+            assert!((p - f64::from(hits) / f64::from(all)).abs() < 1e-14, "{p} {hits} {all}");
         }
     }
 }

@@ -74,11 +74,7 @@ pub fn factorial(design: &FactorialDesign) -> Factorial {
         n: design.n(),
         n_dropped: design.dropped().len(),
         dropped: design.dropped().to_vec(),
-        levels: design
-            .factors()
-            .into_iter()
-            .map(|f| (f.name.clone(), f.levels.clone()))
-            .collect(),
+        levels: design.factors().into_iter().map(|f| (f.name.clone(), f.levels.clone())).collect(),
         anova: tests.anova,
         sphericity: tests.sphericity,
         mauchly: tests.mauchly,
@@ -108,21 +104,14 @@ mod tests {
         let a = [1.0, 2.5, 3.0, 4.75, 2.0];
         let b = [2.0, 2.0, 4.5, 7.0, 2.25];
         let subjects: Vec<String> = (0..10).map(|i| (i / 2).to_string()).collect();
-        let values: Vec<_> = a
-            .iter()
-            .zip(&b)
-            .flat_map(|(a, b)| [Some(*a), Some(*b)])
-            .collect();
+        let values: Vec<_> = a.iter().zip(&b).flat_map(|(a, b)| [Some(*a), Some(*b)]).collect();
         let condition = names("a b a b a b a b a b");
         let design =
             FactorialDesign::from_columns(&subjects, &[("c", &condition)], &[], &values).unwrap();
         let result = factorial(&design);
         let data = crate::WithinSubjects::from_long(&subjects, &condition, &values).unwrap();
         let whole = crate::within(&data);
-        let (t, f) = (
-            whole.paired.get("a|b").unwrap(),
-            result.anova.get("c").unwrap(),
-        );
+        let (t, f) = (whole.paired.get("a|b").unwrap(), result.anova.get("c").unwrap());
         assert!((t.t.unwrap().powi(2) / f.f.unwrap() - 1.0).abs() < 1e-12);
         let contrast = result.contrast.get("c").unwrap().get("a|b").unwrap();
         assert!((contrast.p.unwrap() / t.p.unwrap() - 1.0).abs() < 1e-10);
@@ -157,18 +146,12 @@ mod tests {
         assert!(
             matches!(of("a b a b", "x y x y", &value), StatsError::TwoGroups { subject, .. } if subject == "p")
         );
-        assert!(matches!(
-            of("a a a b", "x x y y", &value),
-            StatsError::DoubleCell { .. }
-        ));
+        assert!(matches!(of("a a a b", "x x y y", &value), StatsError::DoubleCell { .. }));
         let missing = [Some(1.0), None, Some(2.0), None];
         assert!(
             matches!(of("a b a b", "x x y y", &missing), StatsError::EmptyCell { cell } if cell == "b")
         );
-        assert!(matches!(
-            of("a b a b", "x x y y", &value),
-            StatsError::TooFew { .. }
-        ));
+        assert!(matches!(of("a b a b", "x x y y", &value), StatsError::TooFew { .. }));
         let none = FactorialDesign::from_columns(&names("p q"), &[], &[], &value[..2]);
         assert!(matches!(none, Err(StatsError::BadParameter { .. })));
     }
@@ -180,14 +163,7 @@ mod tests {
             let values = [1.0, 2.0, 4.0, 5.0].map(Some);
             FactorialDesign::from_columns(&names(subjects), &[], &[("g", &columns)], &values)
         };
-        assert_eq!(
-            factorial(&of("p q r s").unwrap())
-                .anova
-                .get("g")
-                .unwrap()
-                .df2,
-            2
-        );
+        assert_eq!(factorial(&of("p q r s").unwrap()).anova.get("g").unwrap().df2, 2);
         assert!(matches!(of("p q r p"), Err(StatsError::DoubleName { .. })));
     }
 }

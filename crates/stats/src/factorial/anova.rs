@@ -64,20 +64,12 @@ impl Effect {
         let design = cells.design;
         let between = design.between.iter().enumerate().map(|(f, factor)| {
             let k = factor.levels.len();
-            if self.has(f) {
-                contrasts(k)
-            } else {
-                average(k)
-            }
+            if self.has(f) { contrasts(k) } else { average(k) }
         });
         let first = design.between.len();
         let within = design.within.iter().enumerate().map(|(f, factor)| {
             let k = factor.levels.len();
-            if self.has(first + f) {
-                contrasts(k)
-            } else {
-                unit_average(k)
-            }
+            if self.has(first + f) { contrasts(k) } else { unit_average(k) }
         });
         let (between, within): (Vec<Rows>, Vec<Rows>) = (between.collect(), within.collect());
         (products(&between), products(&within))
@@ -147,9 +139,7 @@ fn describe(
     let (ss, ss_error) = (sums.ss, sums.ss_error);
     let (d1, d2) = (sums.df1 as f64, sums.df2 as f64);
     let ms_error = ss_error / d2;
-    let f = (ss_error > 0.0)
-        .then(|| ss / d1 / ms_error)
-        .filter(|f| f.is_finite());
+    let f = (ss_error > 0.0).then(|| ss / d1 / ms_error).filter(|f| f.is_finite());
     let interval = f.and_then(|f| f_ncp_interval(f, d1, d2, 0.05));
     if f.is_none() {
         let reason = "the error sum of squares is zero, so F has no finite value";

@@ -113,22 +113,15 @@ impl Aligner {
     fn new(design: &FactorialDesign) -> Self {
         let (whole, tolerance) = whole(&design.values);
         let levels = levels(design);
-        let cells: Vec<Vec<usize>> = (0..1 << levels.len())
-            .map(|mask| cells(&levels, mask, whole.len()))
-            .collect();
-        let counts: Vec<Vec<i128>> = cells
-            .iter()
-            .map(|cells| sums(cells, &vec![1; whole.len()]))
-            .collect();
+        let cells: Vec<Vec<usize>> =
+            (0..1 << levels.len()).map(|mask| cells(&levels, mask, whole.len())).collect();
+        let counts: Vec<Vec<i128>> =
+            cells.iter().map(|cells| sums(cells, &vec![1; whole.len()])).collect();
         let multiple =
-            counts
-                .iter()
-                .flatten()
-                .filter(|c| **c > 0)
-                .try_fold(1_i128, |multiple, &count| {
-                    let next = multiple / greatest_common_divisor(multiple, count) * count;
-                    (next < 1 << MOST_BITS).then_some(next)
-                });
+            counts.iter().flatten().filter(|c| **c > 0).try_fold(1_i128, |multiple, &count| {
+                let next = multiple / greatest_common_divisor(multiple, count) * count;
+                (next < 1 << MOST_BITS).then_some(next)
+            });
         // Without one the means are rounded, far below the values.
         let (scale, rounding) = multiple.map_or((1 << MOST_BITS, 64), |m| (m, 0));
         let mean = |(cells, counts): (&Vec<usize>, &Vec<i128>)| {
@@ -151,11 +144,7 @@ impl Aligner {
             let signed = |mask: usize| {
                 let left_out = (effect.0 ^ mask).count_ones();
                 let mean = self.means[mask][row];
-                if left_out.is_multiple_of(2) {
-                    mean
-                } else {
-                    -mean
-                }
+                if left_out.is_multiple_of(2) { mean } else { -mean }
             };
             let estimate: i128 = (0..=full).filter(|m| m & !effect.0 == 0).map(signed).sum();
             value - self.means[full][row] + estimate
@@ -169,16 +158,12 @@ impl Aligner {
 fn whole(values: &[f64]) -> (Vec<i128>, i128) {
     match Written::from_values(values) {
         Written::Decimals(written) => {
-            let whole = written
-                .iter()
-                .map(|w| i128::from(*w) - i128::from(written[0]));
+            let whole = written.iter().map(|w| i128::from(*w) - i128::from(written[0]));
             (whole.collect(), 0)
         }
         Written::Rounded { values } => {
             let tolerance = tolerance(values);
-            let units = values
-                .iter()
-                .map(|v| ((v - values[0]) / tolerance * 64.0).round() as i128);
+            let units = values.iter().map(|v| ((v - values[0]) / tolerance * 64.0).round() as i128);
             (units.collect(), 64)
         }
     }
@@ -202,11 +187,7 @@ fn levels(design: &FactorialDesign) -> Vec<Vec<usize>> {
 /// Of each row: the cell of the factors in `mask`.
 fn cells(levels: &[Vec<usize>], mask: usize, rows: usize) -> Vec<usize> {
     let mut cell = vec![0; rows];
-    for (_, levels) in levels
-        .iter()
-        .enumerate()
-        .filter(|(f, _)| mask >> f & 1 == 1)
-    {
+    for (_, levels) in levels.iter().enumerate().filter(|(f, _)| mask >> f & 1 == 1) {
         let size = levels.iter().max().map_or(1, |m| m + 1);
         for (cell, level) in cell.iter_mut().zip(levels) {
             *cell = *cell * size + level;
@@ -264,19 +245,9 @@ fn of_ranks(effect: Effect, design: &FactorialDesign, ranks: &[f64]) -> (ArtEffe
         if f.is_none() {
             reasons.note_all(&["F_strata", "p_strata"], "the ranks have no error");
         }
-        ArtStrata {
-            f,
-            df2: sums.df2,
-            p,
-        }
+        ArtStrata { f, df2: sums.df2, p }
     });
-    let test = ArtEffect {
-        f,
-        df1: sums.df1,
-        df2,
-        p,
-        strata,
-    };
+    let test = ArtEffect { f, df1: sums.df1, df2, p, strata };
     (test, reasons)
 }
 

@@ -21,11 +21,7 @@ pub(super) fn unit_average(levels: usize) -> Rows {
 
 /// Weight 1 on the level at position `at`, 0 on the others.
 pub(super) fn level(levels: usize, at: usize) -> Rows {
-    vec![
-        (0..levels)
-            .map(|i| if i == at { 1.0 } else { 0.0 })
-            .collect(),
-    ]
+    vec![(0..levels).map(|i| if i == at { 1.0 } else { 0.0 }).collect()]
 }
 
 /// One level less another.
@@ -54,13 +50,9 @@ pub(crate) fn contrasts(levels: usize) -> Rows {
 pub(super) fn products(parts: &[Rows]) -> Rows {
     parts.iter().fold(vec![vec![1.0]], |rows, part| {
         let product = |row: &Vec<f64>, weights: &Vec<f64>| {
-            row.iter()
-                .flat_map(|r| weights.iter().map(move |w| r * w))
-                .collect()
+            row.iter().flat_map(|r| weights.iter().map(move |w| r * w)).collect()
         };
-        rows.iter()
-            .flat_map(|row| part.iter().map(move |weights| product(row, weights)))
-            .collect()
+        rows.iter().flat_map(|row| part.iter().map(move |weights| product(row, weights))).collect()
     })
 }
 
@@ -104,22 +96,13 @@ impl<'a> Cells<'a> {
                 residuals[(i, j)] -= means[(g, j)];
             }
         }
-        Self {
-            design,
-            sizes,
-            means,
-            residuals,
-            pivot,
-            scale: largest(values),
-            freedom: n - groups,
-        }
+        Self { design, sizes, means, residuals, pivot, scale: largest(values), freedom: n - groups }
     }
 
     /// The residuals of a combination of cells, a number a subject; exactly 0 if all are no more than rounding of the data.
     pub(super) fn error(&self, cells: &[f64]) -> Vec<f64> {
-        let column: Vec<f64> = (0..self.residuals.rows)
-            .map(|i| dot(self.residuals.row(i), cells))
-            .collect();
+        let column: Vec<f64> =
+            (0..self.residuals.rows).map(|i| dot(self.residuals.row(i), cells)).collect();
         let weight: f64 = cells.iter().map(|w| w.abs()).sum();
         let rounding = 8.0 * f64::EPSILON * self.scale * weight;
         if column.iter().all(|e| e.abs() <= rounding) {

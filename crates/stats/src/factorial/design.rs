@@ -71,10 +71,8 @@ impl FactorialDesign {
         values: &[Option<f64>],
     ) -> Result<Self, StatsError> {
         check_shape(subjects, within, between, values)?;
-        let within_index: Vec<Index> = within
-            .iter()
-            .map(|(_, cells)| Index::from_labels(*cells))
-            .collect();
+        let within_index: Vec<Index> =
+            within.iter().map(|(_, cells)| Index::from_labels(*cells)).collect();
         let within: Vec<Factor> = within
             .iter()
             .zip(&within_index)
@@ -273,10 +271,7 @@ fn factor(name: &str, levels: Vec<String>) -> Result<Factor, StatsError> {
 
 /// The place of a cell, the last factor counting fastest.
 fn position(counts: &[usize], levels: &[usize]) -> usize {
-    counts
-        .iter()
-        .zip(levels)
-        .fold(0, |place, (count, level)| place * count + level)
+    counts.iter().zip(levels).fold(0, |place, (count, level)| place * count + level)
 }
 
 fn cells_of(factors: &[Factor]) -> usize {
@@ -309,11 +304,7 @@ fn check_shape(
     for (name, found, least) in [
         ("factors within subjects", within.len(), 0),
         ("factors between subjects", between.len(), 0),
-        (
-            "factors",
-            (within.len() + between.len()).min(MOST_FACTORS),
-            1,
-        ),
+        ("factors", (within.len() + between.len()).min(MOST_FACTORS), 1),
     ] {
         if found < least || found > MOST_FACTORS {
             let expected = if found < least {

@@ -144,11 +144,7 @@ impl<'a> Means<'a> {
                 let (mean, se) = self.estimate(&parts);
                 let mean = self.cells.pivot + mean;
                 let half = self.t95.map(|t| t * se);
-                let marginal = MarginalMean {
-                    mean,
-                    se,
-                    ci: Interval::around(mean, half),
-                };
+                let marginal = MarginalMean { mean, se, ci: Interval::around(mean, half) };
                 (names.join(":"), marginal)
             };
             (effect.name(design), (0..count).map(of_cell).collect())
@@ -245,11 +241,7 @@ impl<'a> Means<'a> {
         parts[target] = contrasts(self.counts[target]);
         let is_within = target >= self.cells.design.between.len();
         let (df1, df2) = (self.counts[target] - 1, self.cells.freedom);
-        let f = if is_within {
-            self.wald_within(&parts)
-        } else {
-            self.wald_between(&parts)
-        };
+        let f = if is_within { self.wald_within(&parts) } else { self.wald_between(&parts) };
         if f.is_none() {
             let reason = if df2 < df1 && is_within {
                 "fewer degrees of freedom than contrasts: their covariance is singular"
@@ -265,14 +257,7 @@ impl<'a> Means<'a> {
             let p = f.map(|f| f_upper(f, df1 as f64, left as f64));
             ExactTest { f, df2: left, p }
         });
-        SimpleEffect {
-            f,
-            df1,
-            df2,
-            p,
-            exact,
-            pairs,
-        }
+        SimpleEffect { f, df1, df2, p, exact, pairs }
     }
 
     /// Contrasts of groups at one combination of cells.

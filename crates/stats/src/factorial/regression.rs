@@ -71,11 +71,7 @@ pub(crate) fn regressed(
         let parts: Vec<Rows> = (0..first)
             .map(|f| {
                 let k = design.between[f].levels.len();
-                if between >> f & 1 == 1 {
-                    contrasts(k)
-                } else {
-                    vec![vec![1.0; k]]
-                }
+                if between >> f & 1 == 1 { contrasts(k) } else { vec![vec![1.0; k]] }
             })
             .collect();
         let of_person = |row: &Vec<f64>| design.group.iter().map(|&g| row[g]).collect();
@@ -94,9 +90,7 @@ pub(crate) fn regressed(
     complete::enough("subject", n, dropped, all_columns.len() + 1)?;
     let freedom = n - all_columns.len();
     let errors = residuals(&all_columns, &scores).map_err(|column| StatsError::Collinear {
-        name: covariates[column + covariates.len() - all_columns.len()]
-            .name
-            .to_owned(),
+        name: covariates[column + covariates.len() - all_columns.len()].name.to_owned(),
     })?;
     let square = |rows: &Rows| rows.iter().map(|row| dot(row, row)).sum::<f64>();
     let error = square(&errors);

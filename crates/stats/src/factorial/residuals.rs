@@ -12,9 +12,8 @@ impl FactorialDesign {
         let value = |i: usize, c: usize| self.values[i * cells + c] - pivot;
         let mean_of = |i: usize| (0..cells).map(|c| value(i, c)).sum::<f64>() / cells as f64;
         let people: Vec<f64> = (0..n).map(mean_of).collect();
-        let members: Vec<Vec<usize>> = (0..groups)
-            .map(|g| (0..n).filter(|&i| self.group[i] == g).collect())
-            .collect();
+        let members: Vec<Vec<usize>> =
+            (0..groups).map(|g| (0..n).filter(|&i| self.group[i] == g).collect()).collect();
         let mut within = vec![0.0; n * cells];
         let mut between = vec![0.0; n];
         for own in &members {
@@ -30,10 +29,7 @@ impl FactorialDesign {
         if cells == 2 {
             within = within.into_iter().step_by(2).collect();
         }
-        [
-            if cells > 1 { within } else { Vec::new() },
-            if groups > 1 { between } else { Vec::new() },
-        ]
+        [if cells > 1 { within } else { Vec::new() }, if groups > 1 { between } else { Vec::new() }]
     }
 }
 

@@ -32,9 +32,8 @@ pub(super) fn test(effect: Effect, cells: &Cells) -> Option<Unpooled> {
         let only: Vec<f64> = (0..count).map(|h| f64::from(u8::from(h == g))).collect();
         cells.mean(&only, row)
     };
-    let theta: Vec<Vec<f64>> = (0..count)
-        .map(|g| within.iter().map(|row| mean(g, row)).collect())
-        .collect();
+    let theta: Vec<Vec<f64>> =
+        (0..count).map(|g| within.iter().map(|row| mean(g, row)).collect()).collect();
     let errors: Vec<Vec<f64>> = within.iter().map(|row| cells.error(row)).collect();
     let mut sizes = vec![0.0; count];
     for &g in &cells.design.group {
@@ -67,17 +66,9 @@ pub(super) fn test(effect: Effect, cells: &Cells) -> Option<Unpooled> {
     if expected <= 0.0 {
         return None;
     }
-    let (f, df1, df2) = (
-        square / expected,
-        expected * expected / twice,
-        expected * expected / uncertain,
-    );
-    Some(Unpooled {
-        f,
-        df1,
-        df2,
-        p: f_upper(f, df1, df2),
-    })
+    let (f, df1, df2) =
+        (square / expected, expected * expected / twice, expected * expected / uncertain);
+    Some(Unpooled { f, df1, df2, p: f_upper(f, df1, df2) })
 }
 
 /// The test of each effect, by its name.

@@ -93,11 +93,7 @@ impl Limits {
         }
         still.reverse();
         norms.reverse();
-        Self {
-            needed,
-            still,
-            norms,
-        }
+        Self { needed, still, norms }
     }
 
     /// Whether a sorted state reaches the observed spread in any case; `None` if it depends.
@@ -124,10 +120,7 @@ impl Sums {
     fn from_row(row: &[u64]) -> Self {
         let mut values = [0; MOST_CONDITIONS];
         values[..row.len()].copy_from_slice(row);
-        Self {
-            values,
-            conditions: row.len(),
-        }
+        Self { values, conditions: row.len() }
     }
 }
 
@@ -164,10 +157,7 @@ impl Packing {
 
     fn unpack(&self, mut key: u64) -> Sums {
         let mask = (1 << self.bits) - 1;
-        let mut sums = Sums {
-            values: [0; MOST_CONDITIONS],
-            conditions: self.conditions,
-        };
+        let mut sums = Sums { values: [0; MOST_CONDITIONS], conditions: self.conditions };
         for sum in sums.iter_mut() {
             *sum = key & mask;
             key >>= self.bits;
@@ -218,11 +208,7 @@ struct States {
 
 impl States {
     fn empty(slots: usize) -> Self {
-        Self {
-            keys: vec![0; slots],
-            mass: vec![0.0; slots],
-            used: 0,
-        }
+        Self { keys: vec![0; slots], mass: vec![0.0; slots], used: 0 }
     }
 
     /// All sums zero.
@@ -313,10 +299,7 @@ mod tests {
             let sums = packing.unpack(key);
             sums.iter().map(|&s| (s as i64 - mean).pow(2)).sum()
         };
-        let hits = all
-            .iter()
-            .filter(|&&key| spread(key) >= table.spread())
-            .count();
+        let hits = all.iter().filter(|&&key| spread(key) >= table.spread()).count();
         hits as f64 / all.len() as f64
     }
 
@@ -335,11 +318,7 @@ mod tests {
                 vec![2.0, 2.0, 2.0],
                 vec![1.0, 2.0, 9.0],
             ],
-            vec![
-                vec![4.0, 1.0, 3.0, 3.0],
-                vec![1.0, 3.0, 3.0, 5.0],
-                vec![2.0, 1.0, 5.0, 4.0],
-            ],
+            vec![vec![4.0, 1.0, 3.0, 3.0], vec![1.0, 3.0, 3.0, 5.0], vec![2.0, 1.0, 5.0, 4.0]],
         ] {
             let k = rows[0].len();
             let names: Vec<String> = (0..9).map(|i| format!("n{i}")).collect();

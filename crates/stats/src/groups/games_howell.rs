@@ -31,9 +31,8 @@ pub(super) fn test(a: &Sample, b: &Sample, k: usize) -> (GamesHowell, Reasons) {
     let difference = a.mean - b.mean;
     let t = error.map(|(se, _)| difference / se);
     let root = std::f64::consts::SQRT_2;
-    let p = error
-        .zip(t)
-        .map(|((_, df), t)| studentized_range::upper_with_df(t.abs() * root, k, df));
+    let p =
+        error.zip(t).map(|((_, df), t)| studentized_range::upper_with_df(t.abs() * root, k, df));
     let half = error.and_then(|(se, df)| {
         let q = studentized_range::quantile_upper(0.05, k, df)?;
         Some(q * se / root)
@@ -42,11 +41,7 @@ pub(super) fn test(a: &Sample, b: &Sample, k: usize) -> (GamesHowell, Reasons) {
         let reason = "the studentised range has no quantile at these degrees of freedom";
         reasons.note_ends(&["ci"], reason);
     }
-    let result = GamesHowell {
-        t,
-        df: error.map(|(_, df)| df),
-        p,
-        ci: Interval::around(difference, half),
-    };
+    let result =
+        GamesHowell { t, df: error.map(|(_, df)| df), p, ci: Interval::around(difference, half) };
     (result, reasons)
 }

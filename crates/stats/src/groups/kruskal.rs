@@ -53,12 +53,8 @@ pub(super) fn tests(samples: &Samples) -> (Kruskal, Named<Dunn>, Reasons) {
         reasons.note_all(&["kruskal", "dunn"], "all values are equal");
     }
     let middle = 0.5 * (n + 1.0);
-    let between: f64 = samples
-        .all
-        .iter()
-        .zip(&means)
-        .map(|(s, mean)| s.n() * (mean - middle).powi(2))
-        .sum();
+    let between: f64 =
+        samples.all.iter().zip(&means).map(|(s, mean)| s.n() * (mean - middle).powi(2)).sum();
     let chi2 = varies.then(|| between / variance);
     let df = samples.all.len() - 1;
     let kruskal = Kruskal {
@@ -72,11 +68,7 @@ pub(super) fn tests(samples: &Samples) -> (Kruskal, Named<Dunn>, Reasons) {
         .map(|((a, rank_a), (b, rank_b))| {
             let error = (variance * (1.0 / a.n() + 1.0 / b.n())).sqrt();
             let z = varies.then(|| (rank_a - rank_b) / error);
-            let test = Dunn {
-                z,
-                p: z.map(normal_two_sided),
-                p_holm: None,
-            };
+            let test = Dunn { z, p: z.map(normal_two_sided), p_holm: None };
             (format!("{}|{}", a.name, b.name), test)
         })
         .collect();

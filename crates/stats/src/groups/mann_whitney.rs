@@ -98,11 +98,8 @@ pub(super) fn test(a: &Sample, b: &Sample) -> (MannWhitney, Reasons) {
 fn exact(doubled: &[i64], size: usize, sum: i64) -> Option<(f64, f64)> {
     // Counted for the smaller group: the other's sum is what remains.
     let total: i64 = doubled.iter().sum();
-    let (size, sum) = if 2 * size > doubled.len() {
-        (doubled.len() - size, total - sum)
-    } else {
-        (size, sum)
-    };
+    let (size, sum) =
+        if 2 * size > doubled.len() { (doubled.len() - size, total - sum) } else { (size, sum) };
     // Ranks from 0, in the largest steps that they all share: the fewest sums.
     let least = doubled.iter().copied().min()?;
     let shifted = doubled.iter().map(|r| r - least);
@@ -153,12 +150,7 @@ mod tests {
         let middle = size as f64 * doubled.iter().sum::<i64>() as f64 / n as f64;
         let sums: Vec<i64> = (0_u32..1 << n)
             .filter(|set| set.count_ones() as usize == size)
-            .map(|set| {
-                (0..n)
-                    .filter(|i| set >> i & 1 == 1)
-                    .map(|i| doubled[i])
-                    .sum()
-            })
+            .map(|set| (0..n).filter(|i| set >> i & 1 == 1).map(|i| doubled[i]).sum())
             .collect();
         let share = |keep: &dyn Fn(i64) -> bool| {
             sums.iter().filter(|s| keep(**s)).count() as f64 / sums.len() as f64
@@ -187,9 +179,6 @@ mod tests {
     #[test]
     fn equal_values_have_a_p_of_one() {
         let (doubled, _) = ranks::doubled(&[2.0; 6]);
-        assert_eq!(
-            exact(&doubled, 3, doubled[..3].iter().sum()),
-            Some((1.0, 1.0))
-        );
+        assert_eq!(exact(&doubled, 3, doubled[..3].iter().sum()), Some((1.0, 1.0)));
     }
 }

@@ -63,20 +63,10 @@ impl Samples {
             let constant = is_constant(&values);
             let values: Vec<f64> = values.into_iter().map(|v| v - pivot).collect();
             let (mean, squares) = mean_and_square_sum(values.iter().copied());
-            Ok(Sample {
-                name,
-                values,
-                keys,
-                mean,
-                squares: if constant { 0.0 } else { squares },
-            })
+            Ok(Sample { name, values, keys, mean, squares: if constant { 0.0 } else { squares } })
         };
         let samples: Result<_, _> = index.names.into_iter().zip(columns).map(sample).collect();
-        Ok(Self {
-            all: samples?,
-            pivot,
-            missing: kept.missing,
-        })
+        Ok(Self { all: samples?, pivot, missing: kept.missing })
     }
 
     pub(crate) fn n(&self) -> usize {

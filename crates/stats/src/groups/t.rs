@@ -123,9 +123,7 @@ pub(super) fn hedges(a: &Sample, b: &Sample) -> (Hedges, Reasons) {
         reasons.note("", no_pooled(a, b));
     }
     let d = pooled.map(|(variance, _)| (a.mean - b.mean) / variance.sqrt());
-    let factor = pooled
-        .filter(|(_, df)| *df > 1.0)
-        .map(|(_, df)| hedges_factor(df));
+    let factor = pooled.filter(|(_, df)| *df > 1.0).map(|(_, df)| hedges_factor(df));
     if factor.is_none() {
         let names = ["g", "g_ci_low", "g_ci_high"];
         reasons.note_all(&names, "its correction needs at least four values");
@@ -138,9 +136,7 @@ pub(super) fn hedges(a: &Sample, b: &Sample) -> (Hedges, Reasons) {
         let reason = "no noncentral t leaves 2.5 % beyond this t";
         reasons.note_ends(&["d_ci", "g_ci"], reason);
     }
-    let corrected = interval
-        .zip(factor)
-        .map(|((low, high), factor)| (low * factor, high * factor));
+    let corrected = interval.zip(factor).map(|((low, high), factor)| (low * factor, high * factor));
     let result = Hedges {
         d,
         g: d.zip(factor).map(|(d, factor)| d * factor),

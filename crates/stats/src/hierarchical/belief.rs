@@ -21,11 +21,7 @@ impl Belief {
         for (row, values) in std::iter::once(&mean).chain(&covariance).enumerate() {
             StatsError::same_length("covariance", values.len(), size)?;
             if let Some(&value) = values.iter().find(|v| !v.is_finite()) {
-                return Err(StatsError::NotFinite {
-                    name: "belief".to_owned(),
-                    row,
-                    value,
-                });
+                return Err(StatsError::NotFinite { name: "belief".to_owned(), row, value });
             }
         }
         Ok(Self { mean, covariance })
@@ -34,9 +30,7 @@ impl Belief {
     pub(crate) fn from_matrix(mean: Vec<f64>, covariance: &Matrix) -> Self {
         Self {
             mean,
-            covariance: (0..covariance.rows)
-                .map(|i| covariance.row(i).to_vec())
-                .collect(),
+            covariance: (0..covariance.rows).map(|i| covariance.row(i).to_vec()).collect(),
         }
     }
 
@@ -63,11 +57,7 @@ impl Belief {
     /// Covariance of two such sums.
     pub fn covariance_of(&self, a: &[f64], b: &[f64]) -> f64 {
         let with_b = |row: &Vec<f64>| row.iter().zip(b).map(|(c, b)| c * b).sum::<f64>();
-        self.covariance
-            .iter()
-            .zip(a)
-            .map(|(row, a)| a * with_b(row))
-            .sum()
+        self.covariance.iter().zip(a).map(|(row, a)| a * with_b(row)).sum()
     }
 
     /// The same belief with further numbers, each N(0, sd²) and independent of all others, behind those there are.
@@ -89,11 +79,8 @@ impl Belief {
 
     /// Takes in y = `row` · numbers + ε with the variance of ε given: Bayes' rule, in closed form.
     pub fn observe(&mut self, row: &[f64], y: f64, variance: f64) {
-        let along: Vec<f64> = self
-            .covariance
-            .iter()
-            .map(|c| c.iter().zip(row).map(|(c, r)| c * r).sum())
-            .collect();
+        let along: Vec<f64> =
+            self.covariance.iter().map(|c| c.iter().zip(row).map(|(c, r)| c * r).sum()).collect();
         let expected = self.mean_of(row);
         let spread: f64 = variance + along.iter().zip(row).map(|(a, r)| a * r).sum::<f64>();
         if spread.is_nan() || spread <= 0.0 {
@@ -125,9 +112,7 @@ mod tests {
 
     #[test]
     fn a_shared_error_makes_a_repetition_worth_less() {
-        let belief = Belief::new(vec![0.0], vec![vec![1.0]])
-            .unwrap()
-            .extended(&[1.0, 1.0]);
+        let belief = Belief::new(vec![0.0], vec![vec![1.0]]).unwrap().extended(&[1.0, 1.0]);
         let mut seen = belief.clone();
         seen.observe(&[1.0, 1.0, 0.0], 0.3, 0.1);
         let (again, elsewhere) = ([1.0, 1.0, 0.0], [1.0, 0.0, 1.0]);

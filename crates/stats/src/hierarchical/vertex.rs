@@ -27,14 +27,8 @@ impl Belief {
         let (b, g) = (self.mean_of(linear), self.mean_of(square));
         let g_variance = self.covariance_of(square, square).max(0.0);
         let shared = self.covariance_of(linear, square);
-        let slope = if g_variance > 0.0 {
-            shared / g_variance
-        } else {
-            0.0
-        };
-        let rest = (self.covariance_of(linear, linear) - slope * shared)
-            .max(0.0)
-            .sqrt();
+        let slope = if g_variance > 0.0 { shared / g_variance } else { 0.0 };
+        let rest = (self.covariance_of(linear, linear) - slope * shared).max(0.0).sqrt();
         let quantiles = |n: usize| {
             let share = move |i| (i as f64 + 0.5) / n as f64;
             (0..n).map(move |i| normal_quantile(share(i)))
@@ -46,11 +40,7 @@ impl Belief {
             let curvature = g + step;
             if curvature < 0.0 {
                 let middle = b + slope * step;
-                values.extend(
-                    slopes
-                        .iter()
-                        .map(|zb| -(middle + rest * zb) / (2.0 * curvature)),
-                );
+                values.extend(slopes.iter().map(|zb| -(middle + rest * zb) / (2.0 * curvature)));
             }
         }
         let with_top = values.len() as f64 / (CURVATURES * SLOPES) as f64;
@@ -76,10 +66,7 @@ mod tests {
     fn the_spread_of_the_top_follows_that_of_the_slope() {
         let spread = |variance: f64| {
             let belief = Belief::new(vec![0.0, -1.0], vec![vec![variance, 0.0], vec![0.0, 1e-9]]);
-            let values = belief
-                .unwrap()
-                .top_of_parabola(&[1.0, 0.0], &[0.0, 1.0])
-                .unwrap();
+            let values = belief.unwrap().top_of_parabola(&[1.0, 0.0], &[0.0, 1.0]).unwrap();
             values[values.len() - 1 - values.len() / 40] - values[values.len() / 40]
         };
         // b has SD 1, so the top has SD 1/2: 95 % lie within 1.96 of them.

@@ -93,9 +93,7 @@ fn reflect(matrix: &mut Matrix, from: usize, mirror: &[f64]) {
 
 /// Some rows of a matrix.
 fn rows_of(matrix: &Matrix, rows: Range<usize>) -> Matrix {
-    Matrix::from(rows.len(), matrix.columns, |i, j| {
-        matrix[(rows.start + i, j)]
-    })
+    Matrix::from(rows.len(), matrix.columns, |i, j| matrix[(rows.start + i, j)])
 }
 
 /// y - x β.
@@ -125,9 +123,7 @@ impl Blocks {
     }
 
     pub(crate) fn new(subjects: Vec<Block>) -> Self {
-        let (p, q) = subjects
-            .first()
-            .map_or((0, 0), |b| (b.x.columns, b.z.columns));
+        let (p, q) = subjects.first().map_or((0, 0), |b| (b.x.columns, b.z.columns));
         let mut below = Weighted {
             xx: Matrix::zeros(p, p),
             xy: Matrix::zeros(p, 1),
@@ -139,13 +135,7 @@ impl Blocks {
             let rows = block.upper()..block.y.rows;
             below.add(&rows_of(&block.x, rows.clone()), &rows_of(&block.y, rows));
         }
-        Self {
-            rows: subjects.iter().map(|b| b.y.rows).sum(),
-            subjects,
-            p,
-            q,
-            below,
-        }
+        Self { rows: subjects.iter().map(|b| b.y.rows).sum(), subjects, p, q, below }
     }
 
     /// Root mean square of a random column.
@@ -157,10 +147,7 @@ impl Blocks {
 
     /// The same with y - X β in the place of y.
     pub(super) fn less(&self, beta: &Matrix) -> Self {
-        let block = |b: &Block| Block {
-            y: rest(&b.x, &b.y, beta),
-            ..b.clone()
-        };
+        let block = |b: &Block| Block { y: rest(&b.x, &b.y, beta), ..b.clone() };
         Self::new(self.subjects.iter().map(block).collect())
     }
 

@@ -133,19 +133,13 @@ impl<'a> Columns<'a> {
                 };
                 products = levels
                     .flat_map(|level| {
-                        products
-                            .iter()
-                            .map(move |part| [&part[..], &[(p, level)]].concat())
+                        products.iter().map(move |part| [&part[..], &[(p, level)]].concat())
                     })
                     .collect();
             }
             columns.extend(products.into_iter().map(|parts| Column { parts }));
         }
-        Ok(Self {
-            formula,
-            coded,
-            products: columns,
-        })
+        Ok(Self { formula, coded, products: columns })
     }
 
     /// Columns, the intercept counted.
@@ -175,19 +169,14 @@ impl<'a> Columns<'a> {
         let place = self.formula.predictors().iter().position(|p| p == name)?;
         match &self.coded[place] {
             Coded::Covariate { .. } | Coded::SumToZero { .. } => None,
-            Coded::Factor { levels, of_row } => Some(FactorRows {
-                levels: levels.len(),
-                of_row,
-            }),
+            Coded::Factor { levels, of_row } => Some(FactorRows { levels: levels.len(), of_row }),
         }
     }
 
     /// `(Intercept)`, `x`, `a[a2]`, `a[a2]:x`.
     fn name(&self, j: usize) -> String {
-        j.checked_sub(1).map_or_else(
-            || "(Intercept)".to_owned(),
-            |j| self.name_of(&self.products[j]),
-        )
+        j.checked_sub(1)
+            .map_or_else(|| "(Intercept)".to_owned(), |j| self.name_of(&self.products[j]))
     }
 
     fn name_of(&self, column: &Column) -> String {
@@ -240,16 +229,10 @@ impl<'a> Columns<'a> {
     pub(super) fn coefficients(&self) -> Vec<(String, Vec<f64>)> {
         let intercept = Column { parts: Vec::new() };
         let first = (self.name(0), self.coefficient(&intercept));
-        let last = self
-            .coded
-            .iter()
-            .enumerate()
-            .filter_map(|(p, coded)| match coded {
-                Coded::SumToZero { levels, .. } => Some(Column {
-                    parts: vec![(p, levels.len() - 1)],
-                }),
-                _ => None,
-            });
+        let last = self.coded.iter().enumerate().filter_map(|(p, coded)| match coded {
+            Coded::SumToZero { levels, .. } => Some(Column { parts: vec![(p, levels.len() - 1)] }),
+            _ => None,
+        });
         let columns = self.products.iter().cloned().chain(last);
         let named = columns.map(|column| (self.name_of(&column), self.coefficient(&column)));
         std::iter::once(first).chain(named).collect()
@@ -299,10 +282,7 @@ impl<'a> Columns<'a> {
             weights.iter().enumerate().map(factor).product()
         };
         let intercept = Column { parts: Vec::new() };
-        std::iter::once(&intercept)
-            .chain(&self.products)
-            .map(of_column)
-            .collect()
+        std::iter::once(&intercept).chain(&self.products).map(of_column).collect()
     }
 }
 
@@ -320,10 +300,7 @@ fn code(name: &str, predictor: &Predictor, kept: &[usize]) -> Result<Coded, Stat
         Predictor::SumToZero(cells) => {
             let levels = Index::from_labels(cells.iter().flatten()).names;
             let place = |cell: &String| levels.iter().position(|level| level == cell);
-            let of_row = kept
-                .iter()
-                .map(|&row| cells[row].as_ref().and_then(place))
-                .collect();
+            let of_row = kept.iter().map(|&row| cells[row].as_ref().and_then(place)).collect();
             StatsError::two_levels(name, &levels)?;
             Ok(Coded::SumToZero { levels, of_row })
         }

@@ -22,12 +22,7 @@ impl Components {
     /// `sizes` columns of each, one after the other.
     pub(super) fn of_sizes(sizes: &[usize]) -> Self {
         let mut next = 0..;
-        Self(
-            sizes
-                .iter()
-                .map(|&n| next.by_ref().take(n).collect())
-                .collect(),
-        )
+        Self(sizes.iter().map(|&n| next.by_ref().take(n).collect()).collect())
     }
 
     /// The entries of Ψ at which each variance stands.
@@ -125,10 +120,8 @@ fn newton(theta: &[f64], value: &impl Fn(&[f64]) -> f64) -> Option<Vec<f64>> {
     let step = |k: usize| 1e-4 * theta[k];
     let centre = value(theta);
     let moved = |signs: &[(usize, f64)]| {
-        let values: Vec<(usize, f64)> = signs
-            .iter()
-            .map(|&(k, sign)| (k, theta[k] + sign * step(k)))
-            .collect();
+        let values: Vec<(usize, f64)> =
+            signs.iter().map(|&(k, sign)| (k, theta[k] + sign * step(k))).collect();
         value(&with(theta, &values))
     };
     let n = free.len();
@@ -148,14 +141,9 @@ fn newton(theta: &[f64], value: &impl Fn(&[f64]) -> f64) -> Option<Vec<f64>> {
         }
     }
     let change = curvature.cholesky()?.solve(&slope);
-    let next: Vec<(usize, f64)> = free
-        .iter()
-        .enumerate()
-        .map(|(a, &k)| (k, theta[k] - change[(a, 0)]))
-        .collect();
-    let valid = next
-        .iter()
-        .all(|(_, value)| value.is_finite() && *value > 0.0);
+    let next: Vec<(usize, f64)> =
+        free.iter().enumerate().map(|(a, &k)| (k, theta[k] - change[(a, 0)])).collect();
+    let valid = next.iter().all(|(_, value)| value.is_finite() && *value > 0.0);
     valid.then(|| with(theta, &next))
 }
 
@@ -229,10 +217,7 @@ mod tests {
     }
 
     fn effects(table: &Factorial) -> impl Iterator<Item = (&str, f64, f64)> {
-        table
-            .anova
-            .iter()
-            .map(|(name, effect)| (name, effect.f.unwrap(), effect.df2 as f64))
+        table.anova.iter().map(|(name, effect)| (name, effect.f.unwrap(), effect.df2 as f64))
     }
 
     #[test]
@@ -271,15 +256,9 @@ mod tests {
         let made = made(12, [1.0, 4.0, 0.0, 0.5]);
         let fit = model(&made, &BY).unwrap();
         let style = fit.anova.get("style").unwrap();
-        let (plain, by_style) = (
-            model(&made, &[]).unwrap(),
-            model(&made, &["style"]).unwrap(),
-        );
+        let (plain, by_style) = (model(&made, &[]).unwrap(), model(&made, &["style"]).unwrap());
         assert!(plain.anova.get("style").unwrap().df2.unwrap() > 40.0);
-        for df in [
-            style.df2.unwrap(),
-            by_style.anova.get("style").unwrap().df2.unwrap(),
-        ] {
+        for df in [style.df2.unwrap(), by_style.anova.get("style").unwrap().df2.unwrap()] {
             assert!((df - 10.0).abs() < 1e-6, "{df}");
         }
     }
@@ -314,10 +293,7 @@ mod tests {
         for (name, a) in forth.anova.iter() {
             let b = back.anova.get(name).unwrap();
             assert!((a.f / b.f - 1.0).abs() < 1e-8, "{name}");
-            assert!(
-                (a.df2.unwrap() / b.df2.unwrap() - 1.0).abs() < 1e-8,
-                "{name}"
-            );
+            assert!((a.df2.unwrap() / b.df2.unwrap() - 1.0).abs() < 1e-8, "{name}");
         }
     }
 

@@ -135,13 +135,7 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
     let predictors: Vec<(&str, Predictor)> = columns.chain(data.beside.iter().copied()).collect();
     let names: Vec<&str> = predictors.iter().map(|(name, _)| *name).collect();
     let formula = Formula::crossed(&[], &names)?;
-    let rows = ModelRows::new(
-        data.subjects,
-        &formula,
-        &predictors,
-        data.liking,
-        FEWEST_PEOPLE,
-    )?;
+    let rows = ModelRows::new(data.subjects, &formula, &predictors, data.liking, FEWEST_PEOPLE)?;
     enough(&rows, moved)?;
     rows.independent()?;
     let random = |row: usize, j: usize| rows.columns.value(row, if j == 0 { 0 } else { MOVED });
@@ -173,9 +167,7 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
     };
     let coef = rows.columns.coefficients().into_iter().map(&mut effect);
     let coef = coef.collect();
-    let surface = SURFACE
-        .iter()
-        .map(|(name, parts)| effect(((*name).to_owned(), weights(parts))));
+    let surface = SURFACE.iter().map(|(name, parts)| effect(((*name).to_owned(), weights(parts))));
     let surface = surface.collect();
     let ratio = |a: &[(usize, f64)], b: f64| Ratio {
         estimates: &estimates,
@@ -202,11 +194,7 @@ pub fn congruence(data: &CongruenceData, bound: f64) -> Result<Congruence, Stats
         slope_sd: fit.random_sd(1),
         residual_sd: fit.variance.sqrt(),
         singular: fit.is_singular(&blocks),
-        bend: if fit.beta[(MOVED_SQUARED, 0)] < 0.0 {
-            Bend::Top
-        } else {
-            Bend::Bottom
-        },
+        bend: if fit.beta[(MOVED_SQUARED, 0)] < 0.0 { Bend::Top } else { Bend::Bottom },
         turn,
         movement,
         surface,
@@ -230,31 +218,20 @@ fn enough(rows: &ModelRows, moved: &[Option<f64>]) -> Result<(), StatsError> {
 const SURFACE: [(&str, &[(usize, f64)]); 9] = [
     ("b1", &[(OWN, 1.0), (MOVED, -1.0)]),
     ("b2", &[(MOVED, 1.0)]),
-    (
-        "b3",
-        &[(OWN_SQUARED, 1.0), (PRODUCT, -1.0), (MOVED_SQUARED, 1.0)],
-    ),
+    ("b3", &[(OWN_SQUARED, 1.0), (PRODUCT, -1.0), (MOVED_SQUARED, 1.0)]),
     ("b4", &[(PRODUCT, 1.0), (MOVED_SQUARED, -2.0)]),
     ("b5", &[(MOVED_SQUARED, 1.0)]),
     ("a1", &[(OWN, 1.0)]),
     ("a2", &[(OWN_SQUARED, 1.0)]),
     ("a3", &[(OWN, 1.0), (MOVED, -2.0)]),
-    (
-        "a4",
-        &[(OWN_SQUARED, 1.0), (MOVED_SQUARED, 4.0), (PRODUCT, -2.0)],
-    ),
+    ("a4", &[(OWN_SQUARED, 1.0), (MOVED_SQUARED, 4.0), (PRODUCT, -2.0)]),
 ];
 
 /// How many values there are, where those that differ by less than a thousandth of their span are one.
 fn distinct(mut values: Vec<f64>) -> usize {
     values.sort_by(f64::total_cmp);
-    let span = values
-        .last()
-        .zip(values.first())
-        .map_or(0.0, |(high, low)| high - low);
-    let apart = values
-        .windows(2)
-        .filter(|pair| pair[1] - pair[0] > SAME_PLACE * span);
+    let span = values.last().zip(values.first()).map_or(0.0, |(high, low)| high - low);
+    let apart = values.windows(2).filter(|pair| pair[1] - pair[0] > SAME_PLACE * span);
     apart.count() + 1
 }
 

@@ -24,9 +24,8 @@ pub(super) struct Estimates<'a> {
 impl<'a> Estimates<'a> {
     /// Of a fit whose Ψ is unrestricted.
     pub(super) fn unrestricted(blocks: &Blocks, fit: &'a Fit, offset: f64) -> Self {
-        let entries: Vec<Vec<(usize, usize)>> = (0..blocks.q)
-            .flat_map(|i| (0..=i).map(move |j| vec![(i, j)]))
-            .collect();
+        let entries: Vec<Vec<(usize, usize)>> =
+            (0..blocks.q).flat_map(|i| (0..=i).map(move |j| vec![(i, j)])).collect();
         Self::new(blocks, fit, offset, Information::Expected, &entries)
     }
 
@@ -65,10 +64,7 @@ impl<'a> Estimates<'a> {
         let (estimate, se, df) = self.estimate(weights);
         let se = Some(se).filter(|se| se.is_finite() && *se > 0.0);
         let t = se.map(|se| estimate / se);
-        let half = df
-            .and_then(|df| t_quantile_two_sided(0.05, df))
-            .zip(se)
-            .map(|(t, se)| t * se);
+        let half = df.and_then(|df| t_quantile_two_sided(0.05, df)).zip(se).map(|(t, se)| t * se);
         FixedEffect {
             estimate,
             se,

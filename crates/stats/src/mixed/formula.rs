@@ -45,10 +45,7 @@ impl Formula {
         let mut terms: Vec<Vec<usize>> = subsets.map(|bits| product(bits).collect()).collect();
         terms.extend((factors.len()..names.len()).map(|covariate| vec![covariate]));
         terms.sort_by_key(|term| (term.len(), term.clone()));
-        Ok(Self {
-            predictors: names.into_iter().map(str::to_owned).collect(),
-            terms,
-        })
+        Ok(Self { predictors: names.into_iter().map(str::to_owned).collect(), terms })
     }
 
     /// The same with a covariate multiplied by each of these factors, one term more.
@@ -85,10 +82,8 @@ impl Formula {
                 product.push(self.place(name, text)?);
             }
             // Without this part, and with it.
-            let with: Vec<Vec<usize>> = terms
-                .iter()
-                .map(|term| [&term[..], &product].concat())
-                .collect();
+            let with: Vec<Vec<usize>> =
+                terms.iter().map(|term| [&term[..], &product].concat()).collect();
             terms.extend(with);
         }
         for mut term in terms.into_iter().filter(|t| !t.is_empty()) {
@@ -135,10 +130,7 @@ impl FromStr for Formula {
     type Err = StatsError;
 
     fn from_str(text: &str) -> Result<Self, StatsError> {
-        let mut formula = Self {
-            predictors: Vec::new(),
-            terms: Vec::new(),
-        };
+        let mut formula = Self { predictors: Vec::new(), terms: Vec::new() };
         for product in text.split('+') {
             // The intercept is there anyway.
             if product.trim() != "1" {
@@ -168,10 +160,7 @@ mod tests {
 
     #[test]
     fn products_are_written_out_once() {
-        assert_eq!(
-            read("a*b*c").unwrap(),
-            "a + b + c + a:b + a:c + b:c + a:b:c"
-        );
+        assert_eq!(read("a*b*c").unwrap(), "a + b + c + a:b + a:c + b:c + a:b:c");
         assert_eq!(read("b + a + b:a + a*b").unwrap(), "b + a + b:a");
         assert_eq!(read("1 + x").unwrap(), "x");
     }
@@ -198,10 +187,7 @@ mod tests {
             ("(1|id)", "(1|id)"),
             ("a - b", "a - b"),
         ] {
-            assert!(
-                read(text).unwrap_err().to_string().contains(named),
-                "{text}"
-            );
+            assert!(read(text).unwrap_err().to_string().contains(named), "{text}");
         }
     }
 }

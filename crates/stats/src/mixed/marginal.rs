@@ -123,11 +123,7 @@ impl Described<'_> {
             if half.is_none() {
                 undefined.note(&format!("emm.{term}.{name}"), NO_FREEDOM);
             }
-            let mean = MarginalMean {
-                mean,
-                se,
-                ci: Interval::around(mean, half),
-            };
+            let mean = MarginalMean { mean, se, ci: Interval::around(mean, half) };
             (name, mean)
         };
         let terms = self.cells(formula).into_iter();

@@ -42,19 +42,11 @@ impl OwnErrors {
             let share = factor.half_solve(&half);
             let mut others = Matrix::identity(share.rows);
             others.add(&share, -1.0);
-            Person {
-                root: inverse_root(&others),
-                pull: column(&factor.half_solve(&pull)),
-                share,
-            }
+            Person { root: inverse_root(&others), pull: column(&factor.half_solve(&pull)), share }
         };
         let people = blocks.by_subject(&sums, &fit.beta).into_iter().map(person);
         let people = people.collect();
-        Some(Self {
-            factor,
-            people,
-            scale,
-        })
+        Some(Self { factor, people, scale })
     }
 
     /// Standard error and degrees of freedom of a combination; none where a subject alone tells a part of it, or nobody differs in it.
@@ -93,9 +85,7 @@ fn column(matrix: &Matrix) -> Vec<f64> {
 }
 
 fn times(matrix: &Matrix, vector: &[f64]) -> Vec<f64> {
-    (0..matrix.rows)
-        .map(|i| dot(matrix.row(i), vector))
-        .collect()
+    (0..matrix.rows).map(|i| dot(matrix.row(i), vector)).collect()
 }
 
 /// The symmetric matrix whose square is the inverse; none of what is singular but for rounding, where 1 is the largest that there can be.
@@ -107,10 +97,7 @@ fn inverse_root(matrix: &Matrix) -> Option<Matrix> {
         if value < 1e-9 {
             return None;
         }
-        root.add(
-            &Matrix::from(n, n, |i, j| axis[i] * axis[j]),
-            1.0 / (value * value.sqrt()),
-        );
+        root.add(&Matrix::from(n, n, |i, j| axis[i] * axis[j]), 1.0 / (value * value.sqrt()));
     }
     Some(root)
 }

@@ -114,14 +114,8 @@ pub fn random_intercept(
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
 ) -> Result<RandomIntercept, StatsError> {
-    let (model, _) = restricted(
-        subjects,
-        formula,
-        &[],
-        predictors,
-        y,
-        (AtZero::Pooled, PairErrors::Model),
-    )?;
+    let (model, _) =
+        restricted(subjects, formula, &[], predictors, y, (AtZero::Pooled, PairErrors::Model))?;
     Ok(model)
 }
 
@@ -159,14 +153,8 @@ pub fn random_by_factor(
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
 ) -> Result<RandomIntercept, StatsError> {
-    let (model, _) = restricted(
-        subjects,
-        formula,
-        by,
-        predictors,
-        y,
-        (AtZero::Strata, PairErrors::Model),
-    )?;
+    let (model, _) =
+        restricted(subjects, formula, by, predictors, y, (AtZero::Strata, PairErrors::Model))?;
     Ok(model)
 }
 
@@ -179,14 +167,7 @@ pub(crate) fn random_with_own_errors(
     predictors: &[(&str, Predictor)],
     y: &[Option<f64>],
 ) -> Result<(RandomIntercept, PairsByTerm), StatsError> {
-    restricted(
-        subjects,
-        formula,
-        by,
-        predictors,
-        y,
-        (AtZero::Strata, PairErrors::Own),
-    )
+    restricted(subjects, formula, by, predictors, y, (AtZero::Strata, PairErrors::Own))
 }
 
 /// Which errors pairs have beside those of the model.
@@ -208,9 +189,7 @@ fn restricted(
 ) -> Result<(RandomIntercept, PairsByTerm), StatsError> {
     let rows = ModelRows::new(subjects, formula, predictors, y, 2)?;
     rows.independent()?;
-    let ModelRows {
-        columns, people, ..
-    } = &rows;
+    let ModelRows { columns, people, .. } = &rows;
     let alone = people.len() == rows.values.len();
     let by: Vec<(&str, FactorRows)> = by
         .iter()
@@ -219,18 +198,12 @@ fn restricted(
             let expected = "the name of a factor of the formula";
             factor.ok_or_else(|| StatsError::formula(*name, expected))
         })
-        .filter(|factor| {
-            !factor
-                .as_ref()
-                .is_ok_and(|(_, rows)| rows.is_residual(people))
-        })
+        .filter(|factor| !factor.as_ref().is_ok_and(|(_, rows)| rows.is_residual(people)))
         .collect::<Result<_, StatsError>>()?;
-    let sizes: Vec<usize> = std::iter::once(1)
-        .chain(by.iter().map(|(_, rows)| rows.levels))
-        .collect();
-    let places: Vec<(usize, usize)> = (0..by.len())
-        .flat_map(|f| (0..by[f].1.levels).map(move |level| (f, level)))
-        .collect();
+    let sizes: Vec<usize> =
+        std::iter::once(1).chain(by.iter().map(|(_, rows)| rows.levels)).collect();
+    let places: Vec<(usize, usize)> =
+        (0..by.len()).flat_map(|f| (0..by[f].1.levels).map(move |level| (f, level))).collect();
     // The intercept, then each level of each factor.
     let random = |row: usize, j: usize| {
         let in_level = |(f, level): (usize, usize)| by[f].1.of_row[row] == level;
@@ -332,9 +305,7 @@ impl Described<'_> {
                 })
                 .collect();
         }
-        rows.iter()
-            .map(|row| self.columns.combination(row))
-            .collect()
+        rows.iter().map(|row| self.columns.combination(row)).collect()
     }
 
     /// F of several combinations at once, along the principal axes of their covariance.
@@ -364,12 +335,7 @@ impl Described<'_> {
         let freedoms: Option<Vec<f64>> = freedoms.into_iter().collect();
         let f = sum / q as f64;
         let df2 = freedoms.and_then(|f| of_several(&f));
-        TermTest {
-            f,
-            df1: q,
-            df2,
-            p: df2.map(|df2| f_upper(f, q as f64, df2)),
-        }
+        TermTest { f, df1: q, df2, p: df2.map(|df2| f_upper(f, q as f64, df2)) }
     }
 }
 

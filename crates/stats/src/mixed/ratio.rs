@@ -106,9 +106,6 @@ impl Ratio<'_> {
         }
         let near = brent(excess, surest, root)?;
         let far = outwards(surest, (surest - root).signum())?;
-        Some(Region::Outside {
-            low: near.min(far),
-            high: near.max(far),
-        })
+        Some(Region::Outside { low: near.min(far), high: near.max(far) })
     }
 }

@@ -58,11 +58,7 @@ impl Satterthwaite {
                 Some(entries) => Matrix::from(rows, rows, |a, b| {
                     let one = |&(i, j): &(usize, usize)| {
                         let product = block.z[(a, i)] * block.z[(b, j)];
-                        if i == j {
-                            product
-                        } else {
-                            product + block.z[(a, j)] * block.z[(b, i)]
-                        }
+                        if i == j { product } else { product + block.z[(a, j)] * block.z[(b, i)] }
                     };
                     entries.iter().map(one).sum()
                 }),
@@ -70,9 +66,8 @@ impl Satterthwaite {
             };
             // V⁻¹ V̇ and Xᵀ V⁻¹ V̇ V⁻¹.
             let turned: Vec<Matrix> = (0..count).map(|k| inverse.times(&derivative(k))).collect();
-            let sides: Vec<Matrix> = (0..count)
-                .map(|k| xv.times(&derivative(k)).times(&inverse))
-                .collect();
+            let sides: Vec<Matrix> =
+                (0..count).map(|k| xv.times(&derivative(k)).times(&inverse)).collect();
             for j in 0..count {
                 first[j].add(&sides[j].times(&block.x), 1.0);
                 for k in 0..=j {
@@ -119,11 +114,7 @@ impl Satterthwaite {
 
     /// Degrees of freedom of the combination lᵀβ: 2 (lᵀ C l)² / (gᵀ I⁻¹ g), g the derivative of lᵀ C l by ω.
     pub(super) fn df(&self, l: &[f64]) -> Option<f64> {
-        let g: Vec<f64> = self
-            .slopes
-            .iter()
-            .map(|slope| slope.between(l, l))
-            .collect();
+        let g: Vec<f64> = self.slopes.iter().map(|slope| slope.between(l, l)).collect();
         let spread = self.covariance.between(&g, &g);
         Some(2.0 * self.c.between(l, l).powi(2) / spread).filter(|df| df.is_finite() && *df > 0.0)
     }
@@ -135,11 +126,8 @@ fn scaled_inverse(matrix: &Matrix) -> Option<Matrix> {
     if size.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
         return None;
     }
-    let scaled = Matrix::from(matrix.rows, matrix.rows, |i, j| {
-        matrix[(i, j)] / (size[i] * size[j])
-    });
+    let scaled =
+        Matrix::from(matrix.rows, matrix.rows, |i, j| matrix[(i, j)] / (size[i] * size[j]));
     let inverse = scaled.cholesky()?.inverse();
-    Some(Matrix::from(matrix.rows, matrix.rows, |i, j| {
-        inverse[(i, j)] / (size[i] * size[j])
-    }))
+    Some(Matrix::from(matrix.rows, matrix.rows, |i, j| inverse[(i, j)] / (size[i] * size[j])))
 }

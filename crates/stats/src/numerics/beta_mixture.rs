@@ -19,14 +19,7 @@ pub(super) struct BetaMixture {
 
 impl BetaMixture {
     pub(super) fn new([a, b]: [f64; 2], [x, y]: [f64; 2], shift: f64) -> Self {
-        Self {
-            a,
-            b,
-            x,
-            y,
-            shift,
-            tails: Vec::new(),
-        }
+        Self { a, b, x, y, shift, tails: Vec::new() }
     }
 
     /// The same, quick at rates up to about `rate`.
@@ -145,10 +138,7 @@ mod tests {
             assert!(!mixture.tails.is_empty());
             for rate in [0.0, 1e-3, 0.7, 5.0, 31.9, 60.0] {
                 let (table, alone) = (mixture.sum(rate), mixture.sum_outwards(rate));
-                assert!(
-                    (table - alone).abs() < 1e-13,
-                    "{a} {b} {x} {rate}: {table} {alone}"
-                );
+                assert!((table - alone).abs() < 1e-13, "{a} {b} {x} {rate}: {table} {alone}");
             }
         }
     }

@@ -109,9 +109,7 @@ pub fn tied_differences(pairs: &[Option<(f64, f64)>]) -> Vec<Option<f64>> {
     let known = pairs.iter().flatten();
     let values: Vec<f64> = known.flat_map(|&(a, b)| [a, b]).collect();
     let places = (0..values.len() / 2).map(|i| (2 * i, 2 * i + 1));
-    let mut groups = Written::from_values(&values)
-        .differences(places)
-        .into_iter();
+    let mut groups = Written::from_values(&values).differences(places).into_iter();
     let mut sizes: BTreeMap<i64, f64> = BTreeMap::new();
     let mut one = |(a, b): (f64, f64)| {
         let group = groups.next()?;
@@ -146,10 +144,7 @@ fn dense(signed: &[i64]) -> Vec<i64> {
     sizes.dedup();
     let first = i64::from(sizes.first() != Some(&0));
     let place = |group: i64| sizes.partition_point(|size| *size < group.abs()) as i64 + first;
-    signed
-        .iter()
-        .map(|&group| group.signum() * place(group))
-        .collect()
+    signed.iter().map(|&group| group.signum() * place(group)).collect()
 }
 
 /// Four units of the 15th digit of the largest of some values.
@@ -160,11 +155,7 @@ pub(crate) fn tolerance(values: &[f64]) -> f64 {
 
 /// The same, but short decimals are equal or not.
 fn reach(values: &[f64]) -> f64 {
-    if values.iter().all(|value| is_decimal(*value)) {
-        0.0
-    } else {
-        tolerance(values)
-    }
+    if values.iter().all(|value| is_decimal(*value)) { 0.0 } else { tolerance(values) }
 }
 
 /// The power of ten of the first digit of a number that is not negative; 0 of 0.
@@ -265,32 +256,18 @@ mod tests {
 
     #[test]
     fn thirds_tie_whether_printed_with_15_digits_or_17() {
-        let printed = [
-            2.333_333_333_333_33,
-            2.0,
-            3.666_666_666_666_67,
-            3.333_333_333_333_33,
-        ];
+        let printed = [2.333_333_333_333_33, 2.0, 3.666_666_666_666_67, 3.333_333_333_333_33];
         let doubles = [7.0 / 3.0, 2.0, 11.0 / 3.0, 10.0 / 3.0];
         for values in [printed, doubles] {
             assert_eq!(differences(&values), [1, 1]);
-            assert_eq!(
-                differences(&[values[0], values[0], 2.0, values[2]]),
-                [0, -1]
-            );
+            assert_eq!(differences(&[values[0], values[0], 2.0, values[2]]), [0, -1]);
         }
     }
 
     #[test]
     fn long_numbers_tie_within_four_units_of_the_fifteenth_digit_and_not_within_six() {
-        let with = |units: f64| {
-            [
-                5.123_456_789_012_34,
-                5.0,
-                5.123_456_789_012_34 + units * 1e-14,
-                5.0,
-            ]
-        };
+        let with =
+            |units: f64| [5.123_456_789_012_34, 5.0, 5.123_456_789_012_34 + units * 1e-14, 5.0];
         assert_eq!(differences(&with(4.0)), [1, 1]);
         assert_eq!(differences(&with(6.0)), [1, 2]);
         // Twelve digits stand for themselves.
@@ -348,27 +325,10 @@ mod tests {
     #[test]
     fn a_decimal_is_known_by_its_digits_whatever_its_size() {
         let long = [1.0 / 3.0, 2e-20 / 3.0, 0.123_456_789_012_3, 1e300 / 7.0];
-        let short = [
-            0.1,
-            -0.3,
-            1e-26,
-            5e-324,
-            123_456_789_012.0,
-            1e22,
-            2.5e300,
-            0.0,
-            999_999_999_999.0,
-        ];
-        assert!(
-            short.iter().all(|v| is_decimal(*v)),
-            "{:?}",
-            short.map(is_decimal)
-        );
-        assert!(
-            !long.iter().any(|v| is_decimal(*v)),
-            "{:?}",
-            long.map(is_decimal)
-        );
+        let short =
+            [0.1, -0.3, 1e-26, 5e-324, 123_456_789_012.0, 1e22, 2.5e300, 0.0, 999_999_999_999.0];
+        assert!(short.iter().all(|v| is_decimal(*v)), "{:?}", short.map(is_decimal));
+        assert!(!long.iter().any(|v| is_decimal(*v)), "{:?}", long.map(is_decimal));
         for power in -30..30 {
             let text = format!("1e{power}");
             let value: f64 = text.parse().unwrap();
@@ -378,9 +338,8 @@ mod tests {
 
     #[test]
     fn a_rising_relation_of_p_values_is_one() {
-        let p: Vec<Option<f64>> = (0..12)
-            .map(|i| Some(0.5 * 10.0_f64.powi(-2 * i) / 3.0))
-            .collect();
+        let p: Vec<Option<f64>> =
+            (0..12).map(|i| Some(0.5 * 10.0_f64.powi(-2 * i) / 3.0)).collect();
         let rank: Vec<Option<f64>> = (0..12).map(|i| Some(-f64::from(i))).collect();
         let all = crate::correlate(&p, &rank, crate::CorrelationMethod::All, None).unwrap();
         assert!((all.spearman.unwrap().rho.unwrap() - 1.0).abs() < 1e-12);

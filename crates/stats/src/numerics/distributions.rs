@@ -37,11 +37,7 @@ pub(crate) fn normal_density(z: f64) -> f64 {
 pub(crate) fn normal_quantile(p: f64) -> f64 {
     let z = -SQRT_2 * erfc_inv(2.0 * p);
     // One Newton step takes the approximation to full precision.
-    let error = if p < 0.5 {
-        normal_upper(-z) - p
-    } else {
-        (1.0 - p) - normal_upper(z)
-    };
+    let error = if p < 0.5 { normal_upper(-z) - p } else { (1.0 - p) - normal_upper(z) };
     let step = error / normal_density(z);
     if step.is_finite() { z - step } else { z }
 }
@@ -59,10 +55,7 @@ pub(crate) fn fisher_ends(r: f64, half: f64) -> (f64, f64) {
     if r.abs() >= 1.0 {
         return (r, r);
     }
-    (
-        libm::tanh(libm::atanh(r) - half),
-        libm::tanh(libm::atanh(r) + half),
-    )
+    (libm::tanh(libm::atanh(r) - half), libm::tanh(libm::atanh(r) + half))
 }
 
 /// P(|T| > |t|) with `df` degrees of freedom.
@@ -148,10 +141,7 @@ mod tests {
     #[test]
     fn tails_agree_with_forty_digits_to_the_twelfth() {
         let two_sided = [
-            (
-                normal_two_sided(1.435_295_634_864_317_3),
-                0.151_202_871_135_656_67,
-            ),
+            (normal_two_sided(1.435_295_634_864_317_3), 0.151_202_871_135_656_67),
             (normal_two_sided(0.3), 0.764_177_155_622_094_7),
             (normal_two_sided(9.5), 2.098_903_015_072_521_5e-21),
             (t_two_sided(2.5, 23.0), 0.019_994_122_327_887_084),
@@ -177,11 +167,7 @@ mod tests {
             (0.025, -1.959_963_984_540_054_2),
             (0.2, -0.841_621_233_572_914_2),
         ] {
-            assert!(
-                (normal_quantile(p) / z - 1.0).abs() < 1e-15,
-                "{}",
-                normal_quantile(p)
-            );
+            assert!((normal_quantile(p) / z - 1.0).abs() < 1e-15, "{}", normal_quantile(p));
         }
     }
 }

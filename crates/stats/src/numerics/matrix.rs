@@ -23,11 +23,7 @@ impl std::ops::IndexMut<(usize, usize)> for Matrix {
 
 impl Matrix {
     pub(crate) fn zeros(rows: usize, columns: usize) -> Self {
-        Self {
-            rows,
-            columns,
-            values: vec![0.0; rows * columns],
-        }
+        Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
     pub(crate) fn identity(size: usize) -> Self {
@@ -134,9 +130,7 @@ impl Cholesky {
     }
 
     pub(crate) fn ln_determinant(&self) -> f64 {
-        (0..self.0.rows)
-            .map(|i| 2.0 * libm::log(self.0[(i, i)]))
-            .sum()
+        (0..self.0.rows).map(|i| 2.0 * libm::log(self.0[(i, i)])).sum()
     }
 
     /// L⁻¹ · b.
@@ -176,9 +170,8 @@ mod tests {
 
     #[test]
     fn an_inverse_undoes_its_matrix_and_a_singular_one_has_none() {
-        let a = Matrix::from(3, 3, |i, j| {
-            [[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 2.0]][i][j]
-        });
+        let a =
+            Matrix::from(3, 3, |i, j| [[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 2.0]][i][j]);
         let factor = a.cholesky().unwrap();
         let one = a.times(&factor.inverse());
         for i in 0..3 {

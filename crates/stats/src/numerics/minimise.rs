@@ -56,30 +56,22 @@ fn simplex(
     }
     for _ in 0..400 * n.max(1) {
         points.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let width = (0..n)
-            .map(|i| (points[n].0[i] - points[0].0[i]).abs())
-            .fold(0.0, f64::max);
+        let width = (0..n).map(|i| (points[n].0[i] - points[0].0[i]).abs()).fold(0.0, f64::max);
         if points[n].1 - points[0].1 <= tolerance && width <= 1e-7 + 1e-3 * tolerance.sqrt() {
             break;
         }
-        let centre: Vec<f64> = (0..n)
-            .map(|i| points[..n].iter().map(|p| p.0[i]).sum::<f64>() / n as f64)
-            .collect();
+        let centre: Vec<f64> =
+            (0..n).map(|i| points[..n].iter().map(|p| p.0[i]).sum::<f64>() / n as f64).collect();
         let along = |factor: f64| -> (Vec<f64>, f64) {
-            let point: Vec<f64> = (0..n)
-                .map(|i| centre[i] + factor * (points[n].0[i] - centre[i]))
-                .collect();
+            let point: Vec<f64> =
+                (0..n).map(|i| centre[i] + factor * (points[n].0[i] - centre[i])).collect();
             let there = value(&point);
             (point, there)
         };
         let reflected = along(-1.0);
         let replacement = if reflected.1 < points[0].1 {
             let further = along(-2.0);
-            Some(if further.1 < reflected.1 {
-                further
-            } else {
-                reflected
-            })
+            Some(if further.1 < reflected.1 { further } else { reflected })
         } else if reflected.1 < points[n - 1].1 {
             Some(reflected)
         } else {
@@ -109,10 +101,7 @@ mod tests {
     #[test]
     fn a_lowest_point_is_looked_for_decades_away_and_nearby() {
         let at = |place: f64| decades(|x: f64| (libm::log10(x) - place).powi(2));
-        assert_eq!(
-            [at(-2.0), at(0.2), at(6.1)].map(|f| f.round() as i64),
-            [1, 1, 1_000_000]
-        );
+        assert_eq!([at(-2.0), at(0.2), at(6.1)].map(|f| f.round() as i64), [1, 1, 1_000_000]);
         // Without an end it is given up.
         assert!(decades(|x: f64| -x).is_finite());
     }
@@ -121,10 +110,7 @@ mod tests {
     fn a_curved_valley_is_followed_to_its_end() {
         let valley = |x: &[f64]| (1.0 - x[0]).powi(2) + 100.0 * (x[1] - x[0] * x[0]).powi(2);
         let (at, value) = minimise(&[-1.2, 1.0], 0.5, 1e-12, valley);
-        assert!(
-            (at[0] - 1.0).abs() < 1e-5 && (at[1] - 1.0).abs() < 1e-5,
-            "{at:?}"
-        );
+        assert!((at[0] - 1.0).abs() < 1e-5 && (at[1] - 1.0).abs() < 1e-5, "{at:?}");
         assert!(value < 1e-10);
     }
 }

@@ -76,10 +76,7 @@ pub(crate) fn is_constant(values: &[f64]) -> bool {
 pub(crate) fn largest(values: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; LANES];
     let chunks = values.chunks_exact(LANES);
-    let rest = chunks
-        .remainder()
-        .iter()
-        .fold(0.0_f64, |m, v| m.max(v.abs()));
+    let rest = chunks.remainder().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     for chunk in chunks {
         for (lane, v) in lanes.iter_mut().zip(chunk) {
             *lane = lane.max(v.abs());

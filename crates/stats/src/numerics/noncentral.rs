@@ -22,12 +22,7 @@ impl AtF {
     fn new(f: f64, df1: f64, df2: f64) -> Self {
         let whole = df2 + df1 * f;
         let mixture = BetaMixture::new([0.5 * df1, 0.5 * df2], [df1 * f / whole, df2 / whole], 1.0);
-        Self {
-            f,
-            df1,
-            df2,
-            mixture,
-        }
+        Self { f, df1, df2, mixture }
     }
 
     fn lower(&self, ncp: f64) -> f64 {
@@ -120,9 +115,7 @@ pub(crate) fn f_ncp_interval(f: f64, df1: f64, df2: f64, tail: f64) -> Option<(f
     let centre = (scale - df1).max(0.0).sqrt();
     let reach = normal_quantile(1.0 - tail) * spread;
     let mut distribution = AtF::new(f, df1, df2);
-    distribution.mixture = distribution
-        .mixture
-        .tabulated(0.5 * (centre + reach + spread).powi(2));
+    distribution.mixture = distribution.mixture.tabulated(0.5 * (centre + reach + spread).powi(2));
     let central = distribution.lower(0.0);
     let ncp_at = |probability: f64, guess: f64| {
         if central <= probability {
@@ -137,10 +130,7 @@ pub(crate) fn f_ncp_interval(f: f64, df1: f64, df2: f64, tail: f64) -> Option<(f
                 roots::upwards(gap, 0.0, scale.max(1.0))
             })
     };
-    Some((
-        ncp_at(1.0 - tail, centre - reach)?,
-        ncp_at(tail, centre + reach)?,
-    ))
+    Some((ncp_at(1.0 - tail, centre - reach)?, ncp_at(tail, centre + reach)?))
 }
 
 /// The noncentralities that leave `tail` above and below an observed t.
@@ -210,10 +200,7 @@ mod tests {
             let (low, high) = t_ncp_interval(t * 0.999_999, df, 0.025).unwrap();
             let (low2, high2) = t_ncp_interval(t * 1.000_001, df, 0.025).unwrap();
             assert!((low2 / low - 1.0 - 2e-6).abs() < 1e-6, "{df} {low} {low2}");
-            assert!(
-                (high2 / high - 1.0 - 2e-6).abs() < 1e-6,
-                "{df} {high} {high2}"
-            );
+            assert!((high2 / high - 1.0 - 2e-6).abs() < 1e-6, "{df} {high} {high2}");
         }
         let below = f_lower(40_000.0, 3.0, 69.0, 99_999.9);
         let above = f_lower(40_000.0, 3.0, 69.0, 100_000.1);

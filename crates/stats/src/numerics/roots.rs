@@ -54,11 +54,7 @@ pub(crate) fn brent(f: impl Fn(f64) -> f64, low: f64, high: f64) -> Option<f64> 
             before = middle;
         }
         (a, fa) = (b, fb);
-        b += if step.abs() > tolerance {
-            step
-        } else {
-            tolerance.copysign(middle)
-        };
+        b += if step.abs() > tolerance { step } else { tolerance.copysign(middle) };
         fb = f(b);
     }
     Some(b)

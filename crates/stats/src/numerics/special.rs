@@ -57,11 +57,7 @@ pub(crate) fn beta_tails(a: f64, b: f64, x: f64, y: f64) -> (f64, f64) {
     }
     // The logarithm of what is close to 1 has its digits in the other of both.
     let ln = |x: f64, rest: f64| {
-        if rest < 0.5 {
-            libm::log1p(-rest)
-        } else {
-            libm::log(x)
-        }
+        if rest < 0.5 { libm::log1p(-rest) } else { libm::log(x) }
     };
     let front = libm::exp(a * ln(x, y) + b * ln(y, x) - ln_beta(a, b));
     if x < (a + 1.0) / (a + b + 2.0) {
@@ -103,11 +99,8 @@ fn gamma_front(a: f64, x: f64) -> f64 {
         return libm::exp(a * libm::log(x) - x - ln_gamma(a));
     }
     let share = (x - a) / a;
-    let distance = if share.abs() < 0.5 {
-        share - libm::log1p(share)
-    } else {
-        share - libm::log(x / a)
-    };
+    let distance =
+        if share.abs() < 0.5 { share - libm::log1p(share) } else { share - libm::log(x / a) };
     let ln_root = 0.5 * libm::log(a / std::f64::consts::TAU);
     libm::exp(ln_root - stirling_rest(a) - a * distance)
 }

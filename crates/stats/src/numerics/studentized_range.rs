@@ -34,11 +34,7 @@ pub(crate) fn upper(q: f64, k: usize) -> f64 {
         let far = step * f64::from(i);
         let outer = normal_upper(middle + far);
         let small = normal_upper((middle - far).abs());
-        let (inner, rest) = if far > middle {
-            (1.0 - small, small)
-        } else {
-            (small, 1.0 - small)
-        };
+        let (inner, rest) = if far > middle { (1.0 - small, small) } else { (small, 1.0 - small) };
         let above = term(1.0 - outer, inner, middle + far);
         let below = term(rest, outer, middle - far);
         total += above + below;
@@ -78,11 +74,7 @@ pub(crate) fn upper_with_df(q: f64, k: usize, df: f64) -> f64 {
 
 /// q with P(range > q) = `p`, as [`upper_with_df`].
 pub(crate) fn quantile_upper(p: f64, k: usize, df: f64) -> Option<f64> {
-    roots::upwards(
-        |q| libm::log(upper_with_df(q, k, df)) - libm::log(p),
-        0.0,
-        4.0,
-    )
+    roots::upwards(|q| libm::log(upper_with_df(q, k, df)) - libm::log(p), 0.0, 4.0)
 }
 
 #[cfg(test)]
@@ -96,10 +88,7 @@ mod tests {
             for q in [0.3, 2.0, 6.0] {
                 let exact = t_two_sided(q / 2.0_f64.sqrt(), df);
                 let found = upper_with_df(q, 2, df);
-                assert!(
-                    (found / exact - 1.0).abs() < 1e-9,
-                    "{df} {q} {found} {exact}"
-                );
+                assert!((found / exact - 1.0).abs() < 1e-9, "{df} {q} {found} {exact}");
             }
         }
     }

@@ -46,11 +46,7 @@ pub(super) fn top(likelihood: &mut Likelihood, from: Option<&Top>) -> Option<Top
         let gain = dot(&step, &gradient);
         let mut share = 1.0;
         let (next, there) = loop {
-            let next: Vec<f64> = parameters
-                .iter()
-                .zip(&step)
-                .map(|(x, s)| x + share * s)
-                .collect();
+            let next: Vec<f64> = parameters.iter().zip(&step).map(|(x, s)| x + share * s).collect();
             let there = likelihood.at(&next, &mut gradient);
             if let Some(there) = there.filter(|there| *there >= value + 1e-4 * share * gain - 1e-11)
             {
@@ -103,9 +99,7 @@ fn information(
             rows[(j, i)] = (down[i] - up[i]) / width;
         }
     }
-    Some(Matrix::from(size, size, |i, j| {
-        0.5 * (rows[(i, j)] + rows[(j, i)])
-    }))
+    Some(Matrix::from(size, size, |i, j| 0.5 * (rows[(i, j)] + rows[(j, i)])))
 }
 
 /// Newton's step, bent towards the gradient where the likelihood is not concave, and no longer than a few logits.

@@ -46,10 +46,7 @@ const TEN: [(f64, f64); 5] = [
 impl Rule {
     /// One node: Laplace's approximation.
     pub(super) fn laplace() -> Self {
-        Self {
-            nodes: vec![0.0],
-            weights: vec![1.0],
-        }
+        Self { nodes: vec![0.0], weights: vec![1.0] }
     }
 
     pub(super) fn ten_nodes() -> Self {
@@ -94,16 +91,10 @@ impl Sample {
         let first = [categories - 1, categories + levels[0] - 2];
         let terms = |rows: Vec<(usize, [usize; 2])>| {
             let of_answer = |(category, positions): (usize, [usize; 2])| {
-                let effect = |f: usize| {
-                    positions[f]
-                        .checked_sub(1)
-                        .map(|position| first[f] + position)
-                };
-                let term = |sign, threshold| Term {
-                    sign,
-                    threshold,
-                    effects: [effect(0), effect(1)],
-                };
+                let effect =
+                    |f: usize| positions[f].checked_sub(1).map(|position| first[f] + position);
+                let term =
+                    |sign, threshold| Term { sign, threshold, effects: [effect(0), effect(1)] };
                 let above = (category + 1 < categories).then(|| term(1.0, category));
                 let below = (category > 0).then(|| term(-1.0, category.wrapping_sub(1)));
                 above.into_iter().chain(below)
@@ -205,12 +196,7 @@ pub(super) struct Likelihood<'a> {
 
 impl<'a> Likelihood<'a> {
     pub(super) fn new(sample: &'a Sample, rule: &'a Rule) -> Self {
-        Self {
-            sample,
-            rule,
-            modes: vec![0.0; sample.subjects.len()],
-            work: Work::default(),
-        }
+        Self { sample, rule, modes: vec![0.0; sample.subjects.len()], work: Work::default() }
     }
 
     pub(super) fn sample(&self) -> &Sample {
@@ -221,13 +207,7 @@ impl<'a> Likelihood<'a> {
     pub(super) fn at(&mut self, parameters: &[f64], gradient: &mut [f64]) -> Option<f64> {
         gradient.fill(0.0);
         let mut total = 0.0;
-        for (lower, count) in self
-            .sample
-            .between
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| **n > 0.0)
-        {
+        for (lower, count) in self.sample.between.iter().enumerate().filter(|(_, n)| **n > 0.0) {
             let width = parameters[lower + 1] - parameters[lower];
             if width.is_nan() || width <= 0.0 {
                 return None;
@@ -260,10 +240,7 @@ struct Work {
 
 impl Work {
     fn at(&mut self, terms: &[Term], sigma: f64, v: f64, keep: bool) -> At {
-        let mut sums = At {
-            value: -0.5 * v * v,
-            d: [0.0; 3],
-        };
+        let mut sums = At { value: -0.5 * v * v, d: [0.0; 3] };
         self.first.clear();
         if keep {
             self.second.clear();
@@ -309,11 +286,7 @@ impl Work {
             let step = slope / (1.0 - sigma * sigma * point.d[1]);
             let next = v + step;
             let inside = next > low && next < high;
-            v = if inside {
-                next
-            } else {
-                f64::midpoint(low, high)
-            };
+            v = if inside { next } else { f64::midpoint(low, high) };
             if (inside && step.abs() < 1e-13 * (1.0 + v.abs())) || high - low < 1e-14 * reach {
                 break;
             }
@@ -334,9 +307,7 @@ mod tests {
             vec![(0, 0), (0, 1), (2, 2)],
         ];
         let of = |(category, condition): (usize, usize)| (category, [condition, 0]);
-        let rows = rows
-            .into_iter()
-            .map(|rows| rows.into_iter().map(of).collect());
+        let rows = rows.into_iter().map(|rows| rows.into_iter().map(of).collect());
         Sample::new(rows.collect(), 4, [3, 1])
     }
 
@@ -347,9 +318,7 @@ mod tests {
         let mut exact = 1.0;
         for half in 0..10_i32 {
             let terms = rule.nodes.iter().zip(&rule.weights);
-            let moment: f64 = terms
-                .map(|(x, w)| w * (-0.5 * x * x).exp() * x.powi(2 * half))
-                .sum();
+            let moment: f64 = terms.map(|(x, w)| w * (-0.5 * x * x).exp() * x.powi(2 * half)).sum();
             assert!((moment / exact - 1.0).abs() < 1e-12, "{half}");
             exact *= f64::from(2 * half + 1);
         }
@@ -361,23 +330,15 @@ mod tests {
         let at = [-1.3, 0.2, 1.9, 0.6, -0.7, 1.2];
         for rule in [Rule::laplace(), Rule::ten_nodes()] {
             let mut gradient = vec![0.0; 6];
-            Likelihood::new(&sample, &rule)
-                .at(&at, &mut gradient)
-                .unwrap();
+            Likelihood::new(&sample, &rule).at(&at, &mut gradient).unwrap();
             for j in 0..6 {
                 let value = |step: f64| {
                     let mut moved = at;
                     moved[j] += step;
-                    Likelihood::new(&sample, &rule)
-                        .at(&moved, &mut [0.0; 6])
-                        .unwrap()
+                    Likelihood::new(&sample, &rule).at(&moved, &mut [0.0; 6]).unwrap()
                 };
                 let slope = (value(1e-5) - value(-1e-5)) / 2e-5;
-                assert!(
-                    (slope - gradient[j]).abs() < 1e-8,
-                    "{j}: {slope} {}",
-                    gradient[j]
-                );
+                assert!((slope - gradient[j]).abs() < 1e-8, "{j}: {slope} {}", gradient[j]);
             }
         }
     }
@@ -385,9 +346,7 @@ mod tests {
     #[test]
     fn without_people_who_differ_it_is_the_product_of_all_answers() {
         let at = [-1.3, 0.2, 1.9, 0.6, -0.7, 0.0];
-        let found = Likelihood::new(&sample(), &Rule::ten_nodes())
-            .at(&at, &mut [0.0; 6])
-            .unwrap();
+        let found = Likelihood::new(&sample(), &Rule::ten_nodes()).at(&at, &mut [0.0; 6]).unwrap();
         let below = |j: usize, effect: f64| match j {
             0 => 0.0,
             4 => 1.0,

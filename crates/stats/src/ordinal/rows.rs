@@ -56,20 +56,15 @@ impl Answers {
         tell_apart(&[named.names.as_slice()])?;
         let people = Index::from_labels(kept.kept.iter().map(|&row| &subjects[row]));
         complete::enough("subject", people.names.len(), kept.missing, 2)?;
-        let mut met: Vec<usize> = kept
-            .kept
-            .iter()
-            .filter_map(|&row| periods.get(row).copied())
-            .collect();
+        let mut met: Vec<usize> =
+            kept.kept.iter().filter_map(|&row| periods.get(row).copied()).collect();
         met.sort_unstable();
         met.dedup();
         let rows: Vec<Row> = (kept.kept.iter().zip(&whole).zip(&people.rows))
             .map(|((&row, answer), &subject)| Row {
                 subject,
                 condition: named.rows[row],
-                period: periods
-                    .get(row)
-                    .map_or(0, |period| met.partition_point(|p| p < period)),
+                period: periods.get(row).map_or(0, |period| met.partition_point(|p| p < period)),
                 category: categories.partition_point(|c| c < answer),
             })
             .collect();
@@ -116,12 +111,8 @@ impl Answers {
     }
 
     fn without(&self, condition: usize) -> Self {
-        let mut rows: Vec<Row> = self
-            .rows
-            .iter()
-            .copied()
-            .filter(|row| row.condition != condition)
-            .collect();
+        let mut rows: Vec<Row> =
+            self.rows.iter().copied().filter(|row| row.condition != condition).collect();
         let occurs = |category: usize| rows.iter().any(|row| row.category == category);
         let kept: Vec<usize> = (0..self.categories.len()).filter(|c| occurs(*c)).collect();
         for row in &mut rows {

@@ -32,11 +32,6 @@ pub(crate) fn test(table: &RankTable, a: usize, b: usize) -> (Conover, Reasons) 
     if t.is_none() {
         reasons.note("", "all subjects order the conditions alike, so nothing is left to compare the difference with");
     }
-    let result = Conover {
-        t,
-        df,
-        p: t.map(|t| t_two_sided(t, df as f64)),
-        p_holm: None,
-    };
+    let result = Conover { t, df, p: t.map(|t| t_two_sided(t, df as f64)), p_holm: None };
     (result, reasons)
 }

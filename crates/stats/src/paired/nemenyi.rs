@@ -21,8 +21,5 @@ pub(crate) fn test(table: &RankTable, a: usize, b: usize) -> Nemenyi {
     let (n, k) = (table.n as f64, table.k as f64);
     let difference = (table.sums[a] - table.sums[b]).abs() as f64 / (2.0 * n);
     let q = difference / (k * (k + 1.0) / (12.0 * n)).sqrt();
-    Nemenyi {
-        q,
-        p: studentized_range::upper(q, table.k),
-    }
+    Nemenyi { q, p: studentized_range::upper(q, table.k) }
 }

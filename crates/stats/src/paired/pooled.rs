@@ -26,11 +26,6 @@ pub(crate) fn test(difference: f64, n: usize, anova: &RmAnova) -> (PooledT, Reas
     if t.is_none() {
         reasons.note("", "the error sum of squares is zero");
     }
-    let result = PooledT {
-        t,
-        df: anova.df2,
-        p: t.map(|t| t_two_sided(t, df)),
-        p_holm: None,
-    };
+    let result = PooledT { t, df: anova.df2, p: t.map(|t| t_two_sided(t, df)), p_holm: None };
     (result, reasons)
 }

@@ -86,11 +86,7 @@ impl SignedRanks {
     /// The normal deviate of W+, moved towards the mean by `continuity`.
     pub(crate) fn z(&self, continuity: f64) -> Option<f64> {
         let gap = 0.5 * self.plus as f64 - self.mean;
-        let shift = if gap.abs() > 0.0 {
-            continuity.copysign(gap)
-        } else {
-            0.0
-        };
+        let shift = if gap.abs() > 0.0 { continuity.copysign(gap) } else { 0.0 };
         (self.variance > 0.0).then(|| (gap - shift) / self.variance.sqrt())
     }
 
@@ -155,10 +151,7 @@ mod tests {
             let gap = |plus: i64| (2 * plus - total).abs();
             let hits = (0..1_u32 << n)
                 .filter(|signs| {
-                    let plus = (0..n)
-                        .filter(|i| signs >> i & 1 == 1)
-                        .map(|i| ranks.ranks[i])
-                        .sum();
+                    let plus = (0..n).filter(|i| signs >> i & 1 == 1).map(|i| ranks.ranks[i]).sum();
                     gap(plus) >= gap(ranks.plus)
                 })
                 .count();

@@ -56,9 +56,7 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let (mean, squares) = mean_and_square_sum(differences.iter().copied());
     let constant = is_constant_difference(a, b, &differences);
-    let sd = (!constant)
-        .then(|| (squares / df).sqrt())
-        .filter(|sd| *sd > 0.0);
+    let sd = (!constant).then(|| (squares / df).sqrt()).filter(|sd| *sd > 0.0);
     let t = sd.map(|sd| mean / (sd / n.sqrt()));
     if sd.is_none() {
         let reason = "the differences do not vary";
@@ -86,9 +84,8 @@ pub(crate) fn test(a: &[f64], b: &[f64], t95: Option<f64>) -> (PairedT, Reasons)
         let names = ["d_av", "d_av_ci_low", "d_av_ci_high"];
         reasons.note_all(&names, "neither condition varies");
     }
-    let corrected = interval
-        .zip(correction)
-        .map(|((low, high), factor)| (low * factor, high * factor));
+    let corrected =
+        interval.zip(correction).map(|((low, high), factor)| (low * factor, high * factor));
     let over_average = interval
         .zip(sd)
         .filter(|_| average_sd > 0.0)
@@ -118,9 +115,7 @@ pub(crate) fn t95(n: usize) -> Option<f64> {
 /// Whether all differences are one number, as written or up to rounding.
 pub(crate) fn is_constant_difference(a: &[f64], b: &[f64], differences: &[f64]) -> bool {
     let scale = largest(a).max(largest(b));
-    let spread = differences
-        .iter()
-        .fold(0.0_f64, |m, d| m.max((d - differences[0]).abs()));
+    let spread = differences.iter().fold(0.0_f64, |m, d| m.max((d - differences[0]).abs()));
     if is_rounding(spread, scale) {
         return true;
     }

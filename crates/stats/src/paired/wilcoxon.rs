@@ -108,11 +108,7 @@ fn of_ranks(main: &SignedRanks, pratt: &SignedRanks) -> Wilcoxon {
     let some = n > 0;
     let sum = |doubled: i64| some.then_some(0.5 * doubled as f64);
     let p_exact = main.p_exact();
-    let p_pratt_exact = if pratt.ranks == main.ranks {
-        p_exact
-    } else {
-        pratt.p_exact()
-    };
+    let p_pratt_exact = if pratt.ranks == main.ranks { p_exact } else { pratt.p_exact() };
     let p_normal_cc = main.p_normal(0.5).filter(|_| some);
     let biserial = some.then(|| (main.plus - main.minus) as f64 / (main.plus + main.minus) as f64);
     let interval = biserial.filter(|r| r.abs() < 1.0).map(|r| {
@@ -152,21 +148,13 @@ fn quote_others(result: &Wilcoxon, raw: &[f64], main: &SignedRanks) -> WilcoxonC
     let some = !dropped.ranks.is_empty();
     let same = dropped.ranks == main.ranks && dropped.plus == main.plus;
     let exact = || {
-        if same {
-            result.p_exact
-        } else {
-            dropped.p_exact()
-        }
+        if same { result.p_exact } else { dropped.p_exact() }
     };
     let r_default = clean && dropped.ranks.len() < 50;
     let scipy_auto = (clean && raw.len() <= 50) || raw.len() <= 13;
     let p_exact = (some && (r_default || scipy_auto)).then(exact).flatten();
     WilcoxonCompat {
-        p_r_default: if r_default {
-            p_exact
-        } else {
-            dropped.p_normal(0.5).filter(|_| some)
-        },
+        p_r_default: if r_default { p_exact } else { dropped.p_normal(0.5).filter(|_| some) },
         p_scipy_auto: if !some {
             Some(1.0)
         } else if scipy_auto {
@@ -185,10 +173,7 @@ fn reasons(result: &Wilcoxon) -> Reasons {
         let sums = ["W_plus", "W_minus", "z", "rank_biserial"];
         reasons.note_all(&sums, reason);
         reasons.note_ends(&["rank_biserial_ci"], reason);
-        reasons.note_all(
-            &["p_normal", "p_pratt", "p_pratt_exact", "p_method"],
-            reason,
-        );
+        reasons.note_all(&["p_normal", "p_pratt", "p_pratt_exact", "p_method"], reason);
         for p in ["p", "p_exact", "p_normal_cc", "p_r_default"] {
             reasons.note_all(&[p, &format!("{p}_holm")], reason);
         }
@@ -224,10 +209,7 @@ mod tests {
             (w.rank_biserial_ci.low, libm::tanh(libm::atanh(r) - half)),
             (w.rank_biserial_ci.high, libm::tanh(libm::atanh(r) + half)),
         ] {
-            assert!(
-                (end.unwrap() - expected).abs() < 1e-12,
-                "{end:?} {expected}"
-            );
+            assert!((end.unwrap() - expected).abs() < 1e-12, "{end:?} {expected}");
         }
     }
 }

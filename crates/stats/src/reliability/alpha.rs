@@ -127,10 +127,7 @@ pub fn alpha(
                 let reason = "fewer than two items that vary are left";
                 undefined.note(&format!("drop.{i}.alpha"), reason);
             }
-            ItemDropped {
-                name: (*name).to_owned(),
-                alpha,
-            }
+            ItemDropped { name: (*name).to_owned(), alpha }
         })
         .collect();
     let mean_r = mean_correlation(&covariances);
@@ -294,36 +291,25 @@ fn covariance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn covariance_matrix(columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    columns
-        .iter()
-        .map(|a| columns.iter().map(|b| covariance(a, b)).collect())
-        .collect()
+    columns.iter().map(|a| columns.iter().map(|b| covariance(a, b)).collect()).collect()
 }
 
 /// Covariances over the respondents who answered both items.
 fn pairwise_matrix(items: &[(&str, &[Option<f64>])]) -> Option<Vec<Vec<f64>>> {
     let pair = |a: &[Option<f64>], b: &[Option<f64>]| {
-        let both: Vec<(f64, f64)> = a
-            .iter()
-            .zip(b)
-            .filter_map(|(a, b)| Some(((*a)?, (*b)?)))
-            .collect();
+        let both: Vec<(f64, f64)> =
+            a.iter().zip(b).filter_map(|(a, b)| Some(((*a)?, (*b)?))).collect();
         let (a, b): (Vec<f64>, Vec<f64>) = both.into_iter().unzip();
         (a.len() > 1).then(|| covariance(&a, &b))
     };
-    items
-        .iter()
-        .map(|(_, a)| items.iter().map(|(_, b)| pair(a, b)).collect())
-        .collect()
+    items.iter().map(|(_, a)| items.iter().map(|(_, b)| pair(a, b)).collect()).collect()
 }
 
 fn raw_alpha(covariances: &[Vec<f64>], items: &[usize]) -> Option<f64> {
     let k = items.len() as f64;
     let trace: f64 = items.iter().map(|&i| covariances[i][i]).sum();
-    let total: f64 = items
-        .iter()
-        .map(|&i| items.iter().map(|&j| covariances[i][j]).sum::<f64>())
-        .sum();
+    let total: f64 =
+        items.iter().map(|&i| items.iter().map(|&j| covariances[i][j]).sum::<f64>()).sum();
     (items.len() > 1 && total > 1e-14 * trace && total > 0.0)
         .then(|| k / (k - 1.0) * (1.0 - trace / total))
 }
@@ -365,20 +351,15 @@ mod tests {
             [3.0, 4.0, 2.0],
         ];
         let sheets = (0..times).flat_map(|_| own.iter().zip(0..));
-        let people = sheets
-            .clone()
-            .map(|(_, who): (_, i32)| who.to_string())
-            .collect();
+        let people = sheets.clone().map(|(_, who): (_, i32)| who.to_string()).collect();
         let column = |j: usize| sheets.clone().map(|(row, _)| Some(row[j])).collect();
         ((0..3).map(column).collect(), people)
     }
 
     fn interval(times: usize, by_person: bool) -> (f64, f64) {
         let (columns, people) = repeated(times);
-        let items: Vec<(&str, &[Option<f64>])> = ["a", "b", "c"]
-            .into_iter()
-            .zip(columns.iter().map(Vec::as_slice))
-            .collect();
+        let items: Vec<(&str, &[Option<f64>])> =
+            ["a", "b", "c"].into_iter().zip(columns.iter().map(Vec::as_slice)).collect();
         let found = alpha(&items, by_person.then_some(&people[..])).unwrap();
         assert_eq!(found.people, (by_person && times > 1).then_some(6));
         (found.alpha.ci.low.unwrap(), found.alpha.ci.high.unwrap())
@@ -397,10 +378,8 @@ mod tests {
     fn an_item_that_goes_against_the_others_is_named_and_one_beside_them_is_not() {
         let warned = |b: [f64; 4]| {
             let columns = [[1.0, 2.0, 3.0, 4.0], b].map(|item| item.map(Some).to_vec());
-            let items: Vec<(&str, &[Option<f64>])> = ["a", "b"]
-                .into_iter()
-                .zip(columns.iter().map(Vec::as_slice))
-                .collect();
+            let items: Vec<(&str, &[Option<f64>])> =
+                ["a", "b"].into_iter().zip(columns.iter().map(Vec::as_slice)).collect();
             alpha(&items, None).unwrap().warnings.len()
         };
         // Its covariance is exactly 0, and rounding may leave it below.
@@ -411,18 +390,9 @@ mod tests {
     #[test]
     fn people_of_another_number_of_sheets_are_refused() {
         let (columns, people) = repeated(2);
-        let items: Vec<(&str, &[Option<f64>])> = ["a", "b", "c"]
-            .into_iter()
-            .zip(columns.iter().map(Vec::as_slice))
-            .collect();
+        let items: Vec<(&str, &[Option<f64>])> =
+            ["a", "b", "c"].into_iter().zip(columns.iter().map(Vec::as_slice)).collect();
         let error = alpha(&items, Some(&people[1..])).unwrap_err();
-        assert!(matches!(
-            error,
-            StatsError::LengthMismatch {
-                found: 11,
-                expected: 12,
-                ..
-            }
-        ));
+        assert!(matches!(error, StatsError::LengthMismatch { found: 11, expected: 12, .. }));
     }
 }

@@ -89,11 +89,8 @@ pub fn icc(occasions: &[(&str, &[Option<f64>])]) -> Result<Icc, StatsError> {
     }
     let rest_df = (n - 1.0) * (k - 1.0);
     let rest = rest / rest_df;
-    let (of_occasions, of_rest) = if over_times > rest {
-        (over_times / n, rest - rest / n)
-    } else {
-        (0.0, rest)
-    };
+    let (of_occasions, of_rest) =
+        if over_times > rest { (over_times / n, rest - rest / n) } else { (0.0, rest) };
     let variance = of_occasions + of_rest;
     let alike = is_rounding((within / readings).sqrt(), grand.abs().max(between.sqrt()));
     let sem = if alike { 0.0 } else { variance.sqrt() };
@@ -211,10 +208,7 @@ mod tests {
         assert!((ends.1 - (1.0_f64 / 0.050_635_62).sqrt()).abs() < 1e-5);
         // Differences 3, 2, 1: MS of occasions 3 · 2 · 1² = 6, of error 1/2; σ²_occasion (6 - 1/2)/3, all in all 7/3.
         let moved = of_three([4.0, 5.0, 7.0]);
-        assert!(
-            (moved.sem - (7.0_f64 / 3.0).sqrt()).abs() < 1e-12,
-            "{moved:?}"
-        );
+        assert!((moved.sem - (7.0_f64 / 3.0).sqrt()).abs() < 1e-12, "{moved:?}");
         // (7/3)² / (2²/1 + (1/3)²/2) degrees of freedom, about 1.34: wider on both sides.
         assert!(
             moved.sem_ci.low.unwrap() < moved.sem && moved.sem_ci.high.unwrap() > 10.0 * moved.sem

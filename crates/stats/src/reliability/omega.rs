@@ -54,11 +54,7 @@ mod tests {
     fn loadings_of_an_exact_one_factor_model_are_recovered() {
         let l = [0.9, 0.7, 0.5, 0.6];
         let matrix: Vec<Vec<f64>> = (0..4)
-            .map(|i| {
-                (0..4)
-                    .map(|j| if i == j { 1.0 } else { l[i] * l[j] })
-                    .collect()
-            })
+            .map(|i| (0..4).map(|j| if i == j { 1.0 } else { l[i] * l[j] }).collect())
             .collect();
         let common = 2.7_f64.powi(2);
         let unique: f64 = l.iter().map(|l| 1.0 - l * l).sum();

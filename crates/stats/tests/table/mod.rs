@@ -15,17 +15,13 @@ pub(crate) struct Table {
 impl Table {
     pub(crate) fn read(path: &Path, case: &Value) -> Self {
         let text = fs::read_to_string(path).unwrap();
-        let mut lines = text.lines().map(|line| {
-            line.split(',')
-                .map(|c| c.trim().to_owned())
-                .collect::<Vec<_>>()
-        });
+        let mut lines = text
+            .lines()
+            .map(|line| line.split(',').map(|c| c.trim().to_owned()).collect::<Vec<_>>());
         let conditions = case["conditions"].as_array().into_iter().flatten();
         Self {
             header: lines.next().unwrap(),
-            rows: lines
-                .filter(|row| row.len() > 1 || !row[0].is_empty())
-                .collect(),
+            rows: lines.filter(|row| row.len() > 1 || !row[0].is_empty()).collect(),
             conditions: conditions.map(|c| c.as_str().unwrap().to_owned()).collect(),
         }
     }
@@ -43,17 +39,11 @@ impl Table {
 
     pub(crate) fn numbers(&self, column: &str) -> Vec<Option<f64>> {
         let cells = self.text(column);
-        cells
-            .iter()
-            .map(|c| (!c.is_empty()).then(|| c.parse().unwrap()))
-            .collect()
+        cells.iter().map(|c| (!c.is_empty()).then(|| c.parse().unwrap())).collect()
     }
 
     pub(crate) fn complete(&self, column: &str) -> Vec<f64> {
-        self.numbers(column)
-            .into_iter()
-            .map(Option::unwrap)
-            .collect()
+        self.numbers(column).into_iter().map(Option::unwrap).collect()
     }
 
     /// Its columns in the order of [`Self::conditions`].
@@ -72,27 +62,16 @@ impl Table {
     pub(crate) fn strata(&self) -> Vec<CaseStratum> {
         let mut strata: Vec<CaseStratum> = Vec::new();
         let moments = self.complete("event").into_iter();
-        for ((person, event), exposure) in self
-            .text("stratum")
-            .into_iter()
-            .zip(moments)
-            .zip(self.complete("exposure"))
+        for ((person, event), exposure) in
+            self.text("stratum").into_iter().zip(moments).zip(self.complete("exposure"))
         {
             let place = strata.iter().position(|s| s.person == person);
             let place = place.unwrap_or_else(|| {
-                strata.push(CaseStratum {
-                    person,
-                    events: Vec::new(),
-                    others: Vec::new(),
-                });
+                strata.push(CaseStratum { person, events: Vec::new(), others: Vec::new() });
                 strata.len() - 1
             });
             let stratum = &mut strata[place];
-            let list = if event > 0.0 {
-                &mut stratum.events
-            } else {
-                &mut stratum.others
-            };
+            let list = if event > 0.0 { &mut stratum.events } else { &mut stratum.others };
             list.push(exposure);
         }
         strata
@@ -125,17 +104,9 @@ impl Table {
     }
 
     pub(crate) fn reported(&self) -> Vec<ReportedCorrelation> {
-        let (coefficients, df, p) = (
-            self.text("coefficient"),
-            self.complete("df"),
-            self.text("p"),
-        );
+        let (coefficients, df, p) = (self.text("coefficient"), self.complete("df"), self.text("p"));
         let rows = coefficients.into_iter().zip(df).zip(p);
-        rows.map(|((coefficient, df), p)| ReportedCorrelation {
-            coefficient,
-            df: df as usize,
-            p,
-        })
-        .collect()
+        rows.map(|((coefficient, df), p)| ReportedCorrelation { coefficient, df: df as usize, p })
+            .collect()
     }
 }

@@ -72,12 +72,7 @@ pub fn driven(
         stream_seed(1, &[person, label, "day"]),
     );
     let world = stream_seed(1, &[person, label, "world"]);
-    let meta = DriveMeta::named(
-        format!("{person}-{label}"),
-        person,
-        "own",
-        DrivenBy::Synthetic,
-    )?;
+    let meta = DriveMeta::named(format!("{person}-{label}"), person, "own", DrivenBy::Synthetic)?;
     Ok(Driven {
         meta,
         recording: rollout(scenario, Driver::Human(&who), world)?.recording,
@@ -107,10 +102,7 @@ pub fn learned(people: usize, role: f64, scenario: &Scenario) -> Result<Model, B
     }
     let given = drives.iter().map(TrainingDrive::from);
     let given: Vec<TrainingDrive<'_>> = given.collect();
-    let settings = TrainSettings {
-        heads: HeadsKind::Linear,
-        ..TrainSettings::default()
-    };
+    let settings = TrainSettings { heads: HeadsKind::Linear, ..TrainSettings::default() };
     Ok(train(&given, &settings, 1, &mut |_| ControlFlow::Continue(()))?.model)
 }
 
@@ -170,23 +162,12 @@ pub fn order(
     let n = people.len() as f64;
     let holds = apart.iter().filter(|d| **d > 0.0).count() as f64 / n;
     apart.sort_by(f64::total_cmp);
-    Ok(Order {
-        holds,
-        median_points: apart[apart.len() / 2],
-        by_speed: faster as f64 / n,
-    })
+    Ok(Order { holds, median_points: apart[apart.len() / 2], by_speed: faster as f64 / n })
 }
 
 /// What a rig sees that has lost so much.
 pub fn seen_by(step: usize) -> Sees {
-    if step < ONLY_AHEAD {
-        Sees::ALL
-    } else {
-        Sees {
-            lanes: true,
-            ..Sees::LEAD
-        }
-    }
+    if step < ONLY_AHEAD { Sees::ALL } else { Sees { lanes: true, ..Sees::LEAD } }
 }
 
 /// A recording as a rig writes it that has lost all up to a step of [`STEPS`].
@@ -310,11 +291,7 @@ fn pieces(rows: usize, rate: f64, name: &str) -> Vec<bool> {
     let mut sees = uniform(&[name, "begins"]) < share;
     let mut piece = 0;
     while seen.len() < rows {
-        let mean_s = if sees {
-            PIECE_S
-        } else {
-            PIECE_S * (1.0 - share) / share
-        };
+        let mean_s = if sees { PIECE_S } else { PIECE_S * (1.0 - share) / share };
         let length_s = -mean_s * libm::log(1.0 - uniform(&[name, "piece", &piece.to_string()]));
         let length = ((length_s * rate).ceil() as usize).max(1);
         seen.extend(std::iter::repeat_n(sees, length));
@@ -333,10 +310,7 @@ fn centres(lanes: &[u8], road: &Road, rate: f64) -> Vec<f64> {
             continue;
         }
         let (from, to) = (row.saturating_sub(half), (row + half).min(lanes.len() - 1));
-        let (a, b) = (
-            road.lane_centre_m(lanes[row - 1]),
-            road.lane_centre_m(lanes[row]),
-        );
+        let (a, b) = (road.lane_centre_m(lanes[row - 1]), road.lane_centre_m(lanes[row]));
         for (i, y) in lateral_m[from..=to].iter_mut().enumerate() {
             *y = a + (b - a) * i as f64 / (to - from) as f64;
         }

@@ -60,8 +60,7 @@ fn outputs(folder: &Path, ledger: &Path) -> Result<Vec<PathBuf>, StudyError> {
         let table = |key: &str| run.get(key).and_then(toml::Value::as_table);
         let words = |list: Option<&toml::Value>| {
             let list = list.and_then(toml::Value::as_array).into_iter().flatten();
-            list.filter_map(|word| word.as_str().map(str::to_owned))
-                .collect::<Vec<String>>()
+            list.filter_map(|word| word.as_str().map(str::to_owned)).collect::<Vec<String>>()
         };
         let files = table("files");
         for output in table("outputs").into_iter().flat_map(toml::Table::keys) {
@@ -81,7 +80,5 @@ fn outputs(folder: &Path, ledger: &Path) -> Result<Vec<PathBuf>, StudyError> {
     };
     let within = paths.iter().filter(inside);
     // Of a file the ledger's name for what is in it is empty.
-    Ok(within
-        .map(|path| folder.join(path).components().collect())
-        .collect())
+    Ok(within.map(|path| folder.join(path).components().collect()).collect())
 }

@@ -75,9 +75,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
         .iter()
         .flat_map(|model| [model.clone(), training_path(model), embeddings_path(model)]);
     let by_runs = by_runs.into_iter().filter(|path| !inputs.contains(path));
-    let named = files_below(&folder)?
-        .into_iter()
-        .filter(|path| is_kept_under(study, path, id));
+    let named = files_below(&folder)?.into_iter().filter(|path| is_kept_under(study, path, id));
     for path in by_runs.chain(beside).chain(logs).chain(named) {
         remove(&path, &folder, &mut forgotten.removed)?;
     }
@@ -103,9 +101,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
     forgotten.removed.sort();
     forgotten.models = learned;
     // Some were removed by their names.
-    forgotten
-        .left
-        .extend(shared.into_iter().filter(|log| log.exists()));
+    forgotten.left.extend(shared.into_iter().filter(|log| log.exists()));
     forgotten.left.sort();
     forgotten.left.dedup();
     Ok(forgotten)
@@ -114,9 +110,7 @@ pub fn forget_person(study: &DesignFile, id: &ParticipantId) -> Result<Forgotten
 /// Whether a file among the logs, or of the seat, has its name of somebody: one that cannot be read says whose it is by that alone.
 fn is_kept_under(study: &DesignFile, path: &Path, id: &ParticipantId) -> bool {
     let folders = [study.design.files().logs.as_path(), Path::new(SEAT)];
-    let inside = folders
-        .into_iter()
-        .any(|folder| path.starts_with(place_of(study, folder)));
+    let inside = folders.into_iter().any(|folder| path.starts_with(place_of(study, folder)));
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let rest = name.strip_prefix(id.as_str());
     inside && rest.is_some_and(|rest| rest.starts_with(['-', '.']))
@@ -125,13 +119,8 @@ fn is_kept_under(study: &DesignFile, path: &Path, id: &ParticipantId) -> bool {
 /// What the design reads, which no ledger may give away for removal.
 fn inputs(study: &DesignFile) -> BTreeSet<PathBuf> {
     let files = study.design.files();
-    let read = [
-        &study.design.people().file,
-        &files.answers,
-        &files.measures,
-        &files.logs,
-        &files.scales,
-    ];
+    let read =
+        [&study.design.people().file, &files.answers, &files.measures, &files.logs, &files.scales];
     read.into_iter().map(|path| place_of(study, path)).collect()
 }
 
@@ -159,9 +148,8 @@ fn models_of(
 
 /// The column of a table of words that says whose each row is; none for any other file.
 fn column_of_ids(study: &DesignFile, path: &Path) -> Result<Option<String>, StudyError> {
-    let is_table = path
-        .extension()
-        .is_some_and(|e| ["csv", "tsv"].iter().any(|t| e.eq_ignore_ascii_case(t)));
+    let is_table =
+        path.extension().is_some_and(|e| ["csv", "tsv"].iter().any(|t| e.eq_ignore_ascii_case(t)));
     if !is_table {
         return Ok(None);
     }

@@ -69,26 +69,14 @@ mod tests {
             "\n\"participant\";note\r\nP07;\"a\nb\"\r\n\nP070;P07\r\n P07 ;x\nP1;\"q\"\"\n\"";
         std::fs::write(&path, text).unwrap();
         let id = ParticipantId::new("P07").unwrap();
-        assert_eq!(
-            take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(),
-            2
-        );
+        assert_eq!(take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(), 2);
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             "\n\"participant\";note\r\n\nP070;P07\r\nP1;\"q\"\"\n\""
         );
-        assert_eq!(
-            take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(),
-            0
-        );
+        assert_eq!(take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(), 0);
         std::fs::write(&path, "participant\nP07\nP1\n\n\n").unwrap();
-        assert_eq!(
-            take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(),
-            1
-        );
-        assert_eq!(
-            std::fs::read_to_string(&path).unwrap(),
-            "participant\nP1\n\n\n"
-        );
+        assert_eq!(take_out(&path, "participant", &id, |cell, id| cell == id).unwrap(), 1);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "participant\nP1\n\n\n");
     }
 }

@@ -58,11 +58,7 @@ impl Awaited {
     }
 
     fn there_if(there: bool, why: impl FnOnce() -> String) -> Self {
-        if there {
-            Self::There
-        } else {
-            Self::Missing(why())
-        }
+        if there { Self::There } else { Self::Missing(why()) }
     }
 }
 
@@ -117,21 +113,15 @@ impl<'a> Sources<'a> {
         let table = study.people_file(None);
         let beside = results.join("participants.csv");
         let is_listed = participants.is_some() || beside.is_file() || table.is_file();
-        let people = if is_listed {
-            study.people_of(results, participants)?
-        } else {
-            People::default()
-        };
+        let people =
+            if is_listed { study.people_of(results, participants)? } else { People::default() };
         // Before anybody is listed: whoever drove, answered or was measured.
         sources.people = if people.enrolled.is_empty() {
             sources.everybody()
         } else {
             let keeps = |id: &ParticipantId| !sources.left_out.people.contains_key(id);
             let awaited = |p: &&Enrolled| keeps(&p.id) && (p.tested || p.learned_from);
-            let person = |p: &Enrolled| Person {
-                id: p.id.clone(),
-                tested: p.tested,
-            };
+            let person = |p: &Enrolled| Person { id: p.id.clone(), tested: p.tested };
             people.enrolled.iter().filter(awaited).map(person).collect()
         };
         sources.ask();
@@ -204,10 +194,7 @@ impl<'a> Sources<'a> {
             logs.chain(drives).chain(answers).chain(measured).collect();
         ids.into_iter()
             .filter(|id| !self.left_out.people.contains_key(*id))
-            .map(|id| Person {
-                id: id.clone(),
-                tested: true,
-            })
+            .map(|id| Person { id: id.clone(), tested: true })
             .collect()
     }
 
@@ -249,27 +236,20 @@ impl<'a> Sources<'a> {
     fn condition_left_out(&self, (who, ride): &Cell) -> Option<String> {
         let rides = self.study.design.rides(ride.condition);
         let rides = rides.filter(|ride| is_first(&ride.occasion.session));
-        let whys: Option<Vec<String>> = rides
-            .map(|ride| self.why_left_out(&(who.clone(), ride)))
-            .collect();
+        let whys: Option<Vec<String>> =
+            rides.map(|ride| self.why_left_out(&(who.clone(), ride))).collect();
         whys?.into_iter().next()
     }
 
     /// Why no car could be made for a ride, where none could.
     fn why_no_car(&self, cell: &Cell) -> Option<&'static str> {
         let design = &self.study.design;
-        design
-            .condition(cell.1.condition)
-            .filter(|c| c.simulated())?;
+        design.condition(cell.1.condition).filter(|c| c.simulated())?;
         if self.not_turned(cell) {
             return Some(NOT_TURNED);
         }
-        let by_hand = Ride {
-            condition: design.baseline_id()?,
-            occasion: Occasion::FIRST,
-        };
-        self.why_left_out(&(cell.0.clone(), by_hand))
-            .map(|_| NOT_MADE)
+        let by_hand = Ride { condition: design.baseline_id()?, occasion: Occasion::FIRST };
+        self.why_left_out(&(cell.0.clone(), by_hand)).map(|_| NOT_MADE)
     }
 
     /// Whether there was no ride to answer after, since the dial was not turned for the person.
@@ -284,34 +264,21 @@ impl<'a> Sources<'a> {
         let simulated = condition.is_some_and(Condition::simulated);
         let is_made = self.drives.made.contains(cell);
         // A drive that was kept out is not one that was made in the same condition.
-        let left_out = if is_made {
-            self.ruled_out(cell)
-        } else {
-            self.why_left_out(cell)
-        };
+        let left_out = if is_made { self.ruled_out(cell) } else { self.why_left_out(cell) };
         if is_made && left_out.is_none() {
             // Whatever was driven had a log.
-            let log = if simulated {
-                Awaited::No
-            } else {
-                Awaited::There
-            };
+            let log = if simulated { Awaited::No } else { Awaited::There };
             return [log, Awaited::There];
         }
         if simulated {
-            let why_no_car = || {
-                self.why_no_car(cell)
-                    .unwrap_or("not simulated yet")
-                    .to_owned()
-            };
+            let why_no_car = || self.why_no_car(cell).unwrap_or("not simulated yet").to_owned();
             let why = left_out.unwrap_or_else(why_no_car);
             return [Awaited::No, Awaited::Missing(why)];
         }
         let file = self.logs.named.get(cell);
         let came = is_made || file.is_some() || self.drives.kept_out.contains_key(cell);
-        let log = Awaited::there_if(came, || {
-            left_out.clone().unwrap_or_else(|| self.logs.why_none())
-        });
+        let log =
+            Awaited::there_if(came, || left_out.clone().unwrap_or_else(|| self.logs.why_none()));
         let failed = || self.drives.failed.get(file?).cloned();
         let why = match (left_out.or_else(failed), file) {
             (Some(why), _) => why,
@@ -375,9 +342,7 @@ impl<'a> Sources<'a> {
         };
         let lacking = design.measures().iter().filter(|m| !has(&m.id));
         let lacking: Vec<&str> = lacking.map(|m| m.id.as_str()).collect();
-        Awaited::there_if(lacking.is_empty(), || {
-            format!("no value: {}", lacking.join(", "))
-        })
+        Awaited::there_if(lacking.is_empty(), || format!("no value: {}", lacking.join(", ")))
     }
 }
 
@@ -441,11 +406,7 @@ impl Answers {
             let files = study.design.files();
             let is_export = files.software != Software::Table;
             let waits = is_export && study.resolve(&files.answers).is_file();
-            let why = if waits {
-                "not imported yet"
-            } else {
-                "not there"
-            };
+            let why = if waits { "not imported yet" } else { "not there" };
             answers.none = Some(format!("{} is {why}", files.answers.to_slash_lossy()));
         }
         Ok(answers)

@@ -59,12 +59,7 @@ pub struct Ablate {
     #[arg(long, value_delimiter = ',', default_value = "1,2,5,8")]
     pub sizes: Vec<usize>,
     /// Lengths of a window beside the default, in s
-    #[arg(
-        long = "windows",
-        value_name = "WINDOWS",
-        value_delimiter = ',',
-        default_value = "2,8"
-    )]
+    #[arg(long = "windows", value_name = "WINDOWS", value_delimiter = ',', default_value = "2,8")]
     pub windows_s: Vec<f64>,
     /// Parts into which the drivers are split
     #[arg(long, default_value_t = AblationSettings::default().folds)]
@@ -147,20 +142,15 @@ impl Stage for Ablate {
             Some(LeaveOut::People) => self.in_roles(&mut warnings)?,
             None => (self.scored()?, self.folds),
         };
-        let given: Vec<TrainingDrive<'_>> = scored
-            .iter()
-            .map(|(drive, adb)| TrainingDrive { drive, adb: *adb })
-            .collect();
+        let given: Vec<TrainingDrive<'_>> =
+            scored.iter().map(|(drive, adb)| TrainingDrive { drive, adb: *adb }).collect();
         // Unseen drivers judge; nobody is kept back of those learned from.
         let base = TrainSettings {
             epochs: self.epochs,
             validation_fraction: 0.0,
             ..TrainSettings::default()
         };
-        let settings = AblationSettings {
-            folds,
-            ..AblationSettings::default()
-        };
+        let settings = AblationSettings { folds, ..AblationSettings::default() };
         let variants = variants(&base, &self.sizes, &self.windows_s);
         let mut observe = |done, total| match watch.step(done, total, "trainings") {
             Ok(()) => ControlFlow::Continue(()),
@@ -173,9 +163,7 @@ impl Stage for Ablate {
             Err(ModelError::Cancelled { .. }) => return Err(StudyError::Interrupted),
             other => other?,
         };
-        let synthetic = scored
-            .iter()
-            .any(|(d, _)| d.meta().driven_by == DrivenBy::Synthetic);
+        let synthetic = scored.iter().any(|(d, _)| d.meta().driven_by == DrivenBy::Synthetic);
         let context = Context::of(synthetic, self.seed);
         let words = Words {
             preface: context.preface(),
@@ -191,10 +179,7 @@ impl Stage for Ablate {
         };
         let texts = PageTexts::new(ABLATION, &words)?;
         let finding = parts(&ablated, &texts)?;
-        let judged = Judged {
-            result: &ablated,
-            findings: finding.as_slice(),
-        };
+        let judged = Judged { result: &ablated, findings: finding.as_slice() };
         write_json(&out, &judged)?;
         let table = texts.table("ablation", rows(&ablated))?;
         let text = table.to_markdown();
@@ -205,10 +190,8 @@ impl Stage for Ablate {
         let short = ablated.drives.iter().zip(&ablated.variants[0].of_each);
         let short = short.filter(|(_, judged)| judged.is_none());
         let why = texts.text("short")?;
-        warnings.extend(told_once(
-            "drive",
-            short.map(|(drive, _)| (drive.to_string(), why.clone())),
-        ));
+        warnings
+            .extend(told_once("drive", short.map(|(drive, _)| (drive.to_string(), why.clone()))));
         let mut summary: Vec<String> = text.lines().map(str::to_owned).collect();
         summary.push(format!(
             "{} variants on {} drives, {} folds: {}",
@@ -260,18 +243,12 @@ impl Ablate {
 
 /// A variant's value on every drive.
 fn values(variant: &VariantResult, loss: Loss) -> Vec<Option<f64>> {
-    variant
-        .of_each
-        .iter()
-        .map(|h| h.as_ref().and_then(loss))
-        .collect()
+    variant.of_each.iter().map(|h| h.as_ref().and_then(loss)).collect()
 }
 
 /// How far a variant lies above the reference, on the drives of both.
 fn differences(variant: &VariantResult, reference: &VariantResult, loss: Loss) -> Vec<f64> {
-    let pairs = values(variant, loss)
-        .into_iter()
-        .zip(values(reference, loss));
+    let pairs = values(variant, loss).into_iter().zip(values(reference, loss));
     pairs.filter_map(|(v, r)| Some(v? - r?)).collect()
 }
 
@@ -408,14 +385,8 @@ mod tests {
         let found = outcome.value;
         assert_eq!((found.settings.folds, found.drives.len()), (3, 8));
         let warned = outcome.warnings.join("\n");
-        assert!(
-            warned.contains("P0-sporty: left out, the rig failed"),
-            "{warned}"
-        );
-        assert!(
-            warned.contains("drive P2-calm-again: too short"),
-            "{warned}"
-        );
+        assert!(warned.contains("P0-sporty: left out, the rig failed"), "{warned}");
+        assert!(warned.contains("drive P2-calm-again: too short"), "{warned}");
         let by = |name: &str| found.variants.iter().find(|v| v.name == name).unwrap();
         let whole = &found.variants[0];
         assert!(whole.of_each.iter().filter(|h| h.is_some()).count() == 7);
@@ -425,18 +396,9 @@ mod tests {
         let page = read("index.html");
         assert!(page.contains("Each of 3 people left out in turn"));
         let counted = LOSSES.map(|(_, _, loss)| {
-            whole
-                .of_each
-                .iter()
-                .flatten()
-                .filter_map(loss)
-                .count()
-                .to_string()
+            whole.of_each.iter().flatten().filter_map(loss).count().to_string()
         });
-        let counted = format!(
-            "{}, {} and {} of 8 drives",
-            counted[0], counted[1], counted[2]
-        );
+        let counted = format!("{}, {} and {} of 8 drives", counted[0], counted[1], counted[2]);
         assert!(page.contains(&counted), "{counted}");
         assert!(read("figures/ablation.svg").contains("own time gap"));
         assert!(!page.contains("NaN") && !read("ablation.json").contains("NaN"));
@@ -452,9 +414,6 @@ mod tests {
         let text = "[study]\ntitle = \"x\"\n[style]\nscore = \"adb.total\"\nrange = [11, 55]\n[[role]]\nid = \"asleep\"\nscore = 15\n";
         std::fs::write(&design, text).unwrap();
         let error = run(&options(folder.path())).unwrap_err();
-        assert!(
-            error.to_string().contains("holds no drive in a role"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("holds no drive in a role"), "{error}");
     }
 }

@@ -24,11 +24,9 @@ use std::path::{Path, PathBuf};
 /// Fits the Intelligent Driver Model (IDM) to the first two thirds of drives: to the other people, with the driver's own time
 /// gap, and with all parameters of the driver. Simulates the last third behind the recorded leader and prints the errors.
 #[derive(Debug, Clone, clap::Args)]
-#[command(
-    after_help = "Examples: maveric evaluate --drives drives --out following.json
+#[command(after_help = "Examples: maveric evaluate --drives drives --out following.json
           \
-                  maveric evaluate --drives drives --learn other_drives --out following.json"
-)]
+                  maveric evaluate --drives drives --learn other_drives --out following.json")]
 pub struct Evaluate {
     /// Folder of the drives that are judged
     #[arg(long)]
@@ -53,10 +51,7 @@ impl Stage for Evaluate {
     type Result = FollowingEvaluation;
 
     fn files(&self, _root: &Path) -> Result<Files, StudyError> {
-        Ok(Files::default()
-            .reads([&self.drives])
-            .reads(&self.learn)
-            .writes([&self.out]))
+        Ok(Files::default().reads([&self.drives]).reads(&self.learn).writes([&self.out]))
     }
 
     /// Fits the laws and simulates every driver's last third behind the recorded leader.
@@ -75,10 +70,8 @@ impl Stage for Evaluate {
         let mut evaluation = evaluate_following(&judged, &learned, &settings)?;
         watch.step(1, 2, "comparing")?;
         evaluation.compared = compare::pairs(&evaluation, self.seed)?;
-        let with_findings = Judged {
-            findings: &findings::findings(&evaluation),
-            result: &evaluation,
-        };
+        let with_findings =
+            Judged { findings: &findings::findings(&evaluation), result: &evaluation };
         write_json(&self.out, &with_findings)?;
         watch.step(2, 2, "comparing")?;
         let counted = tables::texts(&evaluation, None)?.text("counted")?;

@@ -47,10 +47,7 @@ pub struct Frozen {
 impl Frozen {
     /// The seal that belongs to what stands in the lock.
     fn seal(&self) -> Result<String, toml::ser::Error> {
-        let rest = Self {
-            seal: String::new(),
-            ..self.clone()
-        };
+        let rest = Self { seal: String::new(), ..self.clone() };
         let text = toml::to_string(&rest)?;
         Ok(hash_of(text.as_bytes()))
     }
@@ -131,12 +128,7 @@ fn count(folder: &Path) -> usize {
     let mut folders = vec![folder.to_owned()];
     let mut files = 0;
     while let Some(folder) = folders.pop() {
-        for path in std::fs::read_dir(&folder)
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|e| e.path())
-        {
+        for path in std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|e| e.path()) {
             if path.is_dir() {
                 folders.push(path);
             } else {
@@ -164,9 +156,7 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
     let frozen: Frozen = toml::from_str(&read_text(&lock)?).map_err(bad(&lock))?;
     let texts = PageTexts::new(DECLARED, &frozen)?.with(&BTreeMap::from([("lock", LOCK_FILE)]));
     if let Some(why) = frozen.forgery() {
-        return Ok(vec![
-            texts.with(&BTreeMap::from([("why", why)])).text("forged")?,
-        ]);
+        return Ok(vec![texts.with(&BTreeMap::from([("why", why)])).text("forged")?]);
     }
     let before: toml::Table = toml::from_str(&frozen.design).map_err(bad(&lock))?;
     let now: toml::Table = toml::from_str(&read_text(path)?).map_err(bad(path))?;
@@ -199,17 +189,13 @@ pub(crate) fn declared(study: &DesignFile) -> Result<Vec<String>, StudyError> {
 /// A list of the design that leaves people or drives out by name, and what it counts. No sentence names one of them.
 type ByName = (&'static str, &'static str, &'static str);
 
-const BY_NAME: [ByName; 2] = [
-    ("exclude.people.", "person", "people"),
-    ("exclude.drives.", "drive", "drives"),
-];
+const BY_NAME: [ByName; 2] =
+    [("exclude.people.", "person", "people"), ("exclude.drives.", "drive", "drives")];
 
 /// Whom and what these keys name, longer ones first: a drive's id holds its person's. A number is a word of many texts.
 fn hidden<'a>(keys: impl Iterator<Item = &'a String>) -> Vec<String> {
     let named = |key: &String| {
-        BY_NAME
-            .iter()
-            .find_map(|(list, ..)| key.strip_prefix(list).map(str::to_owned))
+        BY_NAME.iter().find_map(|(list, ..)| key.strip_prefix(list).map(str::to_owned))
     };
     let named: BTreeSet<String> = keys.filter_map(named).filter(|id| !is_number(id)).collect();
     let mut named: Vec<String> = named.into_iter().collect();
@@ -279,20 +265,13 @@ impl Changes<'_> {
             leaves.keys().filter(|key| key.starts_with(list)).count()
         };
         let (was, is) = (named(before), named(now));
-        let others = if was == is {
-            ", others or for other reasons"
-        } else {
-            ""
-        };
+        let others = if was == is { ", others or for other reasons" } else { "" };
         let reasons: Vec<Option<String>> = changed.iter().map(|key| self.reason(key)).collect();
         let unexplained = reasons.iter().filter(|why| why.is_none()).count();
         let given: BTreeSet<String> = reasons.into_iter().flatten().collect();
         let mut given: Vec<String> = given.into_iter().collect();
         if unexplained > 0 && !given.is_empty() {
-            given.push(format!(
-                "no reason was given for {}",
-                counted(unexplained, one, many)
-            ));
+            given.push(format!("no reason was given for {}", counted(unexplained, one, many)));
         }
         let change = Change {
             what: "key",
@@ -331,21 +310,15 @@ fn leaves(table: toml::Table) -> BTreeMap<String, String> {
         match value {
             toml::Value::Table(table) => {
                 for (key, value) in table {
-                    let path = if path.is_empty() {
-                        key.clone()
-                    } else {
-                        format!("{path}.{key}")
-                    };
+                    let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
                     add(&path, value, leaves);
                 }
             }
             toml::Value::Array(rows) if rows.iter().all(toml::Value::is_table) => {
                 for (at, row) in rows.iter().enumerate() {
                     let id = row.get("id").and_then(toml::Value::as_str);
-                    let name = id.map_or_else(
-                        || format!("{path}[{}]", at + 1),
-                        |id| format!("{path}.{id}"),
-                    );
+                    let name = id
+                        .map_or_else(|| format!("{path}[{}]", at + 1), |id| format!("{path}.{id}"));
                     add(&name, row, leaves);
                 }
             }
@@ -458,18 +431,11 @@ mod tests {
                 "… asked for it; no reason was given for 1 person",
             ),
         ] {
-            fs::write(
-                &path,
-                format!("{STUDY}{excluded}[amendments]\n{amendments}"),
-            )
-            .unwrap();
+            fs::write(&path, format!("{STUDY}{excluded}[amendments]\n{amendments}")).unwrap();
             let all = said(&path);
             let wanted = format!("`exclude.people`: was 0 people, is 2 people: {reason}.");
             assert!(all[0].ends_with(&wanted), "{all:?}");
-            assert!(
-                all[1].contains("`exclude.drives`: was 0 drives, is 1 drive: "),
-                "{all:?}"
-            );
+            assert!(all[1].contains("`exclude.drives`: was 0 drives, is 1 drive: "), "{all:?}");
             assert!(!all.concat().contains("P0"), "{all:?}");
         }
     }
@@ -485,20 +451,14 @@ mod tests {
         excluding("P05").unwrap();
         let all = said(&path);
         let wanted = "`exclude.people`: was 1 person, is 1 person, others or for other reasons: ";
-        assert!(
-            all[0].contains(wanted) && !all.concat().contains("P0"),
-            "{all:?}"
-        );
+        assert!(all[0].contains(wanted) && !all.concat().contains("P0"), "{all:?}");
     }
 
     #[test]
     fn a_questionnaire_or_mapping_that_changed_is_not_as_declared() {
         let (folder, path) = frozen();
-        fs::write(
-            folder.path().join("scales/comfort.toml"),
-            "items = 3\nreversed = [2]\n",
-        )
-        .unwrap();
+        fs::write(folder.path().join("scales/comfort.toml"), "items = 3\nreversed = [2]\n")
+            .unwrap();
         fs::write(folder.path().join("scales/new.toml"), "items = 1\n").unwrap();
         fs::remove_file(folder.path().join("mapping.toml")).unwrap();
         let all = said(&path);
@@ -506,28 +466,14 @@ mod tests {
             !all.iter()
                 .any(|s| s.contains("as declared on 2026-11-22.*") && s.starts_with("*Analysed"))
         );
-        let of = |file: &str| {
-            all.iter()
-                .find(|s| s.contains(&format!("`{file}`")))
-                .cloned()
-        };
-        assert!(
-            of("scales/comfort.toml")
-                .unwrap()
-                .contains("no reason was given")
-        );
+        let of = |file: &str| all.iter().find(|s| s.contains(&format!("`{file}`"))).cloned();
+        assert!(of("scales/comfort.toml").unwrap().contains("no reason was given"));
         assert!(of("scales/new.toml").unwrap().contains("was not there"));
         assert!(of("mapping.toml").unwrap().contains("is not there"));
         let why = "[amendments]\n\"scales\" = \"a reversed item was overlooked\"\n";
         fs::write(&path, format!("{STUDY}{why}")).unwrap();
-        let of_scale = said(&path)
-            .into_iter()
-            .find(|s| s.contains("comfort.toml"))
-            .unwrap();
-        assert!(
-            of_scale.ends_with("a reversed item was overlooked."),
-            "{of_scale}"
-        );
+        let of_scale = said(&path).into_iter().find(|s| s.contains("comfort.toml")).unwrap();
+        assert!(of_scale.ends_with("a reversed item was overlooked."), "{of_scale}");
     }
 
     #[test]
@@ -538,11 +484,7 @@ mod tests {
         before.stages.insert("score".to_owned(), "0".to_owned());
         before.seal = before.seal().unwrap();
         fs::write(&lock, toml::to_string(&before).unwrap()).unwrap();
-        assert!(
-            said(&path)[0].contains("`maveric score`: was 0, is "),
-            "{:?}",
-            said(&path)
-        );
+        assert!(said(&path)[0].contains("`maveric score`: was 0, is "), "{:?}", said(&path));
     }
 
     #[test]
@@ -561,10 +503,7 @@ mod tests {
         for changed in [turned, zeros, earlier, no_day] {
             fs::write(&lock, changed).unwrap();
             let all = said(&path);
-            assert!(
-                all.len() == 1 && all[0].contains("vouches for nothing"),
-                "{all:?}"
-            );
+            assert!(all.len() == 1 && all[0].contains("vouches for nothing"), "{all:?}");
         }
         fs::write(&lock, text).unwrap();
         assert!(said(&path)[0].starts_with("*Analysed as declared"));

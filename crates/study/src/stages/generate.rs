@@ -140,13 +140,7 @@ impl Stage for Generate {
         for person in &cohort.participants {
             let scales = scales.iter().filter(without_effects);
             let (rate, seed) = (effects.missing_rate, self.seed);
-            answers.extend(answer_at_random(
-                &person.id,
-                Moment::Pre,
-                scales,
-                rate,
-                seed,
-            ));
+            answers.extend(answer_at_random(&person.id, Moment::Pre, scales, rate, seed));
         }
         let mut planned: Vec<(PlannedDrive, &str)> =
             cohort.drives.iter().map(|d| (d.clone(), "")).collect();
@@ -191,20 +185,12 @@ impl Place {
     fn new(options: &Generate, study: &DesignFile, root: &Path) -> Result<Self, StudyError> {
         let files = study.design.files();
         let world = Some(&files.scenario).filter(|_| study.path.is_some());
-        let world = world
-            .map(|p| study.resolve(p))
-            .filter(|p| root.join(p).is_file());
+        let world = world.map(|p| study.resolve(p)).filter(|p| root.join(p).is_file());
         let (logs, people, answers) = match &options.out {
-            Some(out) => (
-                out.join("logs"),
-                out.join("participants.csv"),
-                out.join("surveys.csv"),
-            ),
-            None if study.path.is_some() => (
-                study.resolve(&files.logs),
-                study.people_file(None),
-                study.resolve(&files.answers),
-            ),
+            Some(out) => (out.join("logs"), out.join("participants.csv"), out.join("surveys.csv")),
+            None if study.path.is_some() => {
+                (study.resolve(&files.logs), study.people_file(None), study.resolve(&files.answers))
+            }
             None => {
                 let problem = "there is no folder to write into";
                 let help = "give --out FOLDER, or --design FILE of a study";
@@ -244,20 +230,10 @@ impl Place {
 fn remove_former_logs(place: &Place, planned: &[(PlannedDrive, &str)]) -> Result<(), StudyError> {
     let listed = Table::read(&place.people).and_then(|table| table.ids("participant"));
     let former: Vec<ParticipantId> = listed.unwrap_or_default();
-    let written: BTreeSet<String> = planned
-        .iter()
-        .map(|(drive, _)| format!("{}.mcap", drive.drive))
-        .collect();
-    for folder in std::fs::read_dir(&place.logs)
-        .into_iter()
-        .flatten()
-        .flatten()
-    {
-        for file in std::fs::read_dir(folder.path())
-            .into_iter()
-            .flatten()
-            .flatten()
-        {
+    let written: BTreeSet<String> =
+        planned.iter().map(|(drive, _)| format!("{}.mcap", drive.drive)).collect();
+    for folder in std::fs::read_dir(&place.logs).into_iter().flatten().flatten() {
+        for file in std::fs::read_dir(folder.path()).into_iter().flatten().flatten() {
             let name = file.file_name().to_string_lossy().into_owned();
             let theirs = |id: &ParticipantId| name.starts_with(&format!("{id}-"));
             let is_log = file.path().extension().is_some_and(|e| e == "mcap");
@@ -275,10 +251,7 @@ fn again(cohort: &Cohort) -> Result<Vec<PlannedDrive>, StudyError> {
     let own_drives = cohort.drives.iter().filter(|d| !d.role);
     own_drives
         .map(|d| {
-            Ok(PlannedDrive {
-                drive: DriveId::new(format!("{}-again", d.drive))?,
-                ..d.clone()
-            })
+            Ok(PlannedDrive { drive: DriveId::new(format!("{}-again", d.drive))?, ..d.clone() })
         })
         .collect()
 }
@@ -305,10 +278,8 @@ fn drive(
     )
     .on(planned.occasion);
     let folder = format!("study{}", planned.part.number());
-    let path = place
-        .logs
-        .join(format!("{folder}{day_name}"))
-        .join(format!("{}.mcap", planned.drive));
+    let path =
+        place.logs.join(format!("{folder}{day_name}")).join(format!("{}.mcap", planned.drive));
     write_recording(&path, &driven.recording, &meta, &Beside::default())?;
     Ok(driven.report.collisions as usize)
 }

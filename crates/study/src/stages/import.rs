@@ -112,11 +112,7 @@ impl Stage for Import {
             .reads(&self.columns)
             .reads_people(root, self.design.as_deref(), None)
             .writes(&self.out);
-        let beside = self
-            .out
-            .as_deref()
-            .filter(|_| !self.suggest)
-            .map(exclusions_path);
+        let beside = self.out.as_deref().filter(|_| !self.suggest).map(exclusions_path);
         Ok(files.writes(beside))
     }
 
@@ -132,9 +128,7 @@ impl Stage for Import {
             return self.suggested(&export, &columns, &study.design);
         };
         let own_design = DesignFile::here(self.design.as_deref())?;
-        let gate = own_design
-            .map(|study| Gate::where_listed(&study, None))
-            .transpose()?;
+        let gate = own_design.map(|study| Gate::where_listed(&study, None)).transpose()?;
         let contents = export.answers(&self.file, &columns, &orders(gate.as_ref()))?;
         watch.check()?;
         let reading = Imports {
@@ -166,10 +160,7 @@ impl Import {
                 return Err(StudyError::file(out, problem).with_help(help));
             }
             atomic_write_bytes(out, proposed.as_bytes())?;
-            summary = vec![format!(
-                "what the columns may mean: {}",
-                out.to_slash_lossy()
-            )];
+            summary = vec![format!("what the columns may mean: {}", out.to_slash_lossy())];
         }
         let value = ImportResult::Suggested(SuggestedColumns {
             software: export.software(),
@@ -182,9 +173,7 @@ impl Import {
 /// The conditions of each person in the order of the rides.
 fn orders(gate: Option<&Gate>) -> Orders {
     let people = gate.into_iter().flat_map(|gate| &gate.people().enrolled);
-    people
-        .map(|person| (person.id.clone(), person.order.clone()))
-        .collect()
+    people.map(|person| (person.id.clone(), person.order.clone())).collect()
 }
 
 #[cfg(test)]

@@ -157,9 +157,7 @@ impl Stage for Ingest {
             log_or_why(*log, aside.path())
         })?;
         let mut failed = Vec::new();
-        let read = written
-            .into_iter()
-            .filter_map(|log| log.map_err(|e| failed.push(e)).ok());
+        let read = written.into_iter().filter_map(|log| log.map_err(|e| failed.push(e)).ok());
         let (mut drives, left_out) = sorted_out(read.flatten(), gate.as_ref());
         if drives.is_empty() {
             return Err(none_ingested(&left_out, failed));
@@ -181,10 +179,8 @@ impl Stage for Ingest {
         let warnings = warnings(&drives, &left_out, &failed);
         let sights = sights(&drives);
         let rows = drives.iter().map(|d| d.rows).sum();
-        let list: Vec<(DriveMeta, usize, f64)> = drives
-            .into_iter()
-            .map(|d| (d.meta, d.rows, d.duration_s))
-            .collect();
+        let list: Vec<(DriveMeta, usize, f64)> =
+            drives.into_iter().map(|d| (d.meta, d.rows, d.duration_s)).collect();
         write_drive_list(&self.out, &list)?;
         let mut summary = vec![format!(
             "{}, {rows} rows: {}",
@@ -192,10 +188,7 @@ impl Stage for Ingest {
             self.out.to_slash_lossy()
         )];
         summary.extend(sights);
-        summary.extend(counted(
-            ["drive", "drives"],
-            left_out.iter().map(|out| &out.why),
-        ));
+        summary.extend(counted(["drive", "drives"], left_out.iter().map(|out| &out.why)));
         if !failed.is_empty() {
             summary.push(format!(
                 "{} of {} logs could not be ingested: see {}",
@@ -226,15 +219,9 @@ fn place_of(folder: &Path, drive: &DriveId) -> PathBuf {
 fn spare_logs(out: &Path, logs: &[logs::Log], drives: &[Written]) -> Result<(), StudyError> {
     let former = former_drives(out, drives.iter().map(|d| d.meta.drive.as_str()));
     let ids = drives.iter().map(|d| &d.meta.drive);
-    let places: Vec<PathBuf> = ids
-        .chain(&former)
-        .map(|drive| place_of(out, drive))
-        .collect();
+    let places: Vec<PathBuf> = ids.chain(&former).map(|drive| place_of(out, drive)).collect();
     // In a folder that is one log itself, Parquet is of an earlier call.
-    let files = logs
-        .iter()
-        .map(|log| &*log.path)
-        .filter(|log| log.is_file());
+    let files = logs.iter().map(|log| &*log.path).filter(|log| log.is_file());
     spare_inputs(files, places.iter().map(|place| &**place))
 }
 
@@ -358,9 +345,7 @@ fn write_exclusions(
         let name = file.file_name().unwrap_or_default();
         name.to_string_lossy().into_owned()
     };
-    let warnings = drives
-        .iter()
-        .flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)));
+    let warnings = drives.iter().flat_map(|d| d.warnings.iter().map(move |w| (&d.meta, w)));
     let repaired = warnings.map(|(meta, w)| ExclusionRow {
         drive: meta.drive.to_string(),
         log: name(&w.file),

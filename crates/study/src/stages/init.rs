@@ -31,11 +31,7 @@ const FILES: [(&str, &str); 4] = [
 
 /// The world: that of the seat where people drive, that of the paper where they are made up.
 fn scenario(synthetic: bool) -> (&'static str, &'static str) {
-    let text = if synthetic {
-        maveric_data::SCENARIOS_PAPER
-    } else {
-        maveric_data::SCENARIOS_SEAT
-    };
+    let text = if synthetic { maveric_data::SCENARIOS_PAPER } else { maveric_data::SCENARIOS_SEAT };
     ("scenario.toml", text)
 }
 
@@ -62,9 +58,7 @@ fn further_scales(ids: &[String]) -> Result<Vec<(&'static str, &'static str)>, S
             names.filter_map(|name| name.strip_prefix("scales/")?.strip_suffix(".toml"))
         };
         let shipped_scale = shipped.iter().find(|(name, _)| *name == file);
-        shipped_scale
-            .copied()
-            .ok_or_else(|| refused(DesignError::word("--scales", id, known())))
+        shipped_scale.copied().ok_or_else(|| refused(DesignError::word("--scales", id, known())))
     };
     ids.iter().map(scale).collect()
 }
@@ -72,10 +66,7 @@ fn further_scales(ids: &[String]) -> Result<Vec<(&'static str, &'static str)>, S
 /// A word that is refused, with what is possible.
 #[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it away")]
 fn refused(error: DesignError) -> StudyError {
-    StudyError::NotPossible {
-        problem: error.to_string(),
-        help: error.suggestion(),
-    }
+    StudyError::NotPossible { problem: error.to_string(), help: error.suggestion() }
 }
 
 const EFFECTS: (&str, &str) = ("effects.toml", maveric_data::EFFECTS);
@@ -183,13 +174,9 @@ impl Stage for Init {
                 readme.to_slash_lossy(),
             )
         };
-        let summary = vec![
-            format!("a study's folder: {}", folder.to_slash_lossy()),
-            next,
-        ];
-        let value = Initialised {
-            files: files.iter().map(|(name, _)| (*name).to_owned()).collect(),
-        };
+        let summary = vec![format!("a study's folder: {}", folder.to_slash_lossy()), next];
+        let value =
+            Initialised { files: files.iter().map(|(name, _)| (*name).to_owned()).collect() };
         Ok(Outcome::new(value, summary, Vec::new()))
     }
 }
@@ -221,10 +208,7 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
             .replace("\"../scales\"", &format!("\"scales\"\n{software}"))
             .replace("../scenarios/paper.toml", "scenario.toml")
             .replace("../", "")
-            .replace(
-                "synthetic = true ",
-                &format!("synthetic = {} ", options.synthetic),
-            );
+            .replace("synthetic = true ", &format!("synthetic = {} ", options.synthetic));
         return Ok((
             paper + PAPERS_PROTOCOL,
             "participant,study,population,age,gender,professional,order\n",
@@ -235,11 +219,7 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
         let id: ConditionId = word.trim().parse()?;
         if conditions.contains(&id) {
             let twice = format!("`{id}` twice");
-            return Err(refused(DesignError::key(
-                "--conditions",
-                twice,
-                "each once",
-            )));
+            return Err(refused(DesignError::key("--conditions", twice, "each once")));
         }
         conditions.push(id);
     }
@@ -263,9 +243,7 @@ fn texts(options: &Init) -> Result<(String, &'static str), StudyError> {
 
 /// A score of a shipped scale, with its range and its name.
 fn score(name: &str) -> Result<DialledScore, DesignError> {
-    let scales: Vec<Scale> = scales()
-        .filter_map(|(_, text)| Scale::from_toml(text).ok())
-        .collect();
+    let scales: Vec<Scale> = scales().filter_map(|(_, text)| Scale::from_toml(text).ok()).collect();
     if let Ok(score) = name.parse::<ScoreName>()
         && let Some(scale) = scales.iter().find(|scale| score.scale == scale.id)
         && let Some(subscale) = scale.subscales.iter().find(|s| score.subscale == s.id)
@@ -296,9 +274,8 @@ mod tests {
         assert!(!design.synthetic() && !text.contains(".."));
         let protocol = design.protocol();
         let asked = || protocol.before.iter().chain(&protocol.after);
-        let shipped: BTreeSet<String> = scales()
-            .filter_map(|(_, text)| Some(Scale::from_toml(text).ok()?.id))
-            .collect();
+        let shipped: BTreeSet<String> =
+            scales().filter_map(|(_, text)| Some(Scale::from_toml(text).ok()?.id)).collect();
         assert!(asked().all(|scale| shipped.contains(scale)), "{protocol:?}");
         assert!(protocol.before.contains(&"adb".to_owned()));
         assert_eq!(protocol.consent, Some(PathBuf::from("consent.md")));
@@ -310,10 +287,7 @@ mod tests {
         let left = folder.path().join(".maveric-aside-left");
         std::fs::create_dir(&left).unwrap();
         std::fs::write(left.join("in-use"), "").unwrap();
-        let options = Init {
-            folder: folder.path().to_owned(),
-            ..Init::default()
-        };
+        let options = Init { folder: folder.path().to_owned(), ..Init::default() };
         options.run(Watch::unwatched()).unwrap();
         let names: BTreeSet<String> = std::fs::read_dir(folder.path())
             .unwrap()
@@ -332,10 +306,7 @@ mod tests {
         assert!(files[0].1.contains("id = \"ssq\""));
         assert!(scales().all(|(name, _)| !names.contains(&name)));
         let error = further_scales(&["nasa_tlxx".to_owned()]).unwrap_err();
-        assert!(
-            error.suggestion().unwrap().contains("`nasa_tlx`"),
-            "{error}"
-        );
+        assert!(error.suggestion().unwrap().contains("`nasa_tlx`"), "{error}");
     }
 
     #[test]
@@ -346,10 +317,7 @@ mod tests {
             ..Init::default()
         };
         let error = texts(&options).unwrap_err();
-        assert!(
-            error.to_string().contains("`--style`: found `mdsi.riskyy`"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("`--style`: found `mdsi.riskyy`"), "{error}");
         assert_eq!(error.suggestion().unwrap(), "did you mean `mdsi.risky`?");
     }
 }

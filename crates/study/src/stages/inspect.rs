@@ -88,21 +88,12 @@ fn suggest(path: &Path, into: Option<&Path>) -> Result<Outcome<Looked>, StudyErr
         None => mapping.lines().map(str::to_owned).collect(),
         Some(into) => {
             atomic_write_bytes(into, mapping.as_bytes())?;
-            let doubts = mapping
-                .lines()
-                .filter(|l| l.starts_with("# doubt: "))
-                .count();
+            let doubts = mapping.lines().filter(|l| l.starts_with("# doubt: ")).count();
             let doubts = count(doubts, "doubt", "doubts");
-            vec![format!(
-                "mapping with {doubts}, each in a comment: {}",
-                into.to_slash_lossy()
-            )]
+            vec![format!("mapping with {doubts}, each in a comment: {}", into.to_slash_lossy())]
         }
     };
-    let value = Looked::Mapping(SuggestedMapping {
-        path: path.to_owned(),
-        mapping,
-    });
+    let value = Looked::Mapping(SuggestedMapping { path: path.to_owned(), mapping });
     Ok(Outcome::new(value, summary, Vec::new()))
 }
 
@@ -168,9 +159,7 @@ fn begins_with(path: &Path, magic: &[u8]) -> Result<bool, StudyError> {
     }
     let mut start = Vec::new();
     let file = File::open(path).map_err(StudyError::read(path))?;
-    file.take(magic.len() as u64)
-        .read_to_end(&mut start)
-        .map_err(StudyError::read(path))?;
+    file.take(magic.len() as u64).read_to_end(&mut start).map_err(StudyError::read(path))?;
     Ok(start == magic)
 }
 
@@ -185,10 +174,7 @@ impl Stage for Inspect {
             && !self.files.is_empty()
             && let Some(study) = DesignFile::below(root, None)
         {
-            let named = Ingest {
-                logs: self.files.clone(),
-                ..Ingest::default()
-            };
+            let named = Ingest { logs: self.files.clone(), ..Ingest::default() };
             files = logs::declared_files(files.reads_design(None), &named, &study);
         }
         Ok(files
@@ -219,15 +205,8 @@ impl Stage for Inspect {
         for (done, (path, settings)) in self.files.iter().zip(&settings).enumerate() {
             let content = look_into(path, settings)?;
             summary.push(format!("{}", path.to_slash_lossy()));
-            summary.extend(
-                lines(&content)
-                    .iter()
-                    .map(|line| format!("  {}", one_line(line))),
-            );
-            files.push(InspectedFile {
-                path: path.clone(),
-                content,
-            });
+            summary.extend(lines(&content).iter().map(|line| format!("  {}", one_line(line))));
+            files.push(InspectedFile { path: path.clone(), content });
             watch.step(done + 1, self.files.len(), "files")?;
         }
         let first = self.files.first().zip(settings.first());
@@ -244,10 +223,7 @@ impl Stage for Inspect {
             let drives = self.files.iter().zip(&settings);
             let drives = drives.map(|(path, settings)| read_watched(path, settings));
             let drives: Vec<_> = drives.collect::<Result<Vec<_>, _>>()?.concat();
-            let logs = self
-                .files
-                .iter()
-                .map(|path| path.to_slash_lossy().into_owned());
+            let logs = self.files.iter().map(|path| path.to_slash_lossy().into_owned());
             let provenance = [
                 ("Version", env!("CARGO_PKG_VERSION").to_owned()),
                 ("Logs", logs.collect::<Vec<_>>().join(", ")),
@@ -337,11 +313,7 @@ fn plot(path: &Path, settings: &IngestSettings, out: &Path) -> Result<(), StudyE
     let lead = rows.lead_present.iter().zip(&rows.lead_dx_m);
     let input = DriveOverview {
         drive: drive.meta().drive.to_string(),
-        source: path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned(),
+        source: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
         time_s: rows.time_s.clone(),
         segment: rows.segment.clone(),
         speed_mps: rows.ego_speed_mps.clone(),
@@ -387,10 +359,7 @@ mod tests {
     #[test]
     fn a_proposal_is_written_as_a_file_of_its_own_and_never_over_one_that_is_there() {
         let folder = tempfile::tempdir().unwrap();
-        let (table, into) = (
-            folder.path().join("pair.csv"),
-            folder.path().join("mapping.toml"),
-        );
+        let (table, into) = (folder.path().join("pair.csv"), folder.path().join("mapping.toml"));
         let row = |i: u32| format!("{},{},20,25\n", f64::from(i) / 10.0, 2 * i);
         let rows: String = (0..50).map(row).collect();
         std::fs::write(&table, format!("t,x_follower,v_follower,spacing\n{rows}")).unwrap();

@@ -124,15 +124,9 @@ impl Stage for Measure {
         let out = out.map(|(drive, why)| (drive.to_string(), why.to_string()));
         warnings.extend(told_once("drive", out));
         warnings.extend(averaged.warnings);
-        let mut summary = vec![format!(
-            "{} drives measured: {}",
-            rows.len(),
-            self.out.to_slash_lossy()
-        )];
-        summary.extend(counted(
-            ["drive", "drives"],
-            left_out.iter().map(|(_, why)| why),
-        ));
+        let mut summary =
+            vec![format!("{} drives measured: {}", rows.len(), self.out.to_slash_lossy())];
+        summary.extend(counted(["drive", "drives"], left_out.iter().map(|(_, why)| why)));
         summary.extend(pressed.map(|(rides, presses)| {
             format!(
                 "{} in {} of the seat: {}",
@@ -206,10 +200,8 @@ impl Measure {
             };
             let folder = path.parent().unwrap_or(path);
             if let Some(first) = from.insert(id, folder) {
-                let problem = format!(
-                    "holds drive {id}, which {} holds too",
-                    first.to_slash_lossy()
-                );
+                let problem =
+                    format!("holds drive {id}, which {} holds too", first.to_slash_lossy());
                 let help = "measure each drive once: leave out one of the folders or files";
                 return Err(StudyError::file(folder, problem).with_help(help));
             }
@@ -380,10 +372,7 @@ fn count_in_parts(
         row.values.extend(named.zip(values));
     }
     let cut = parts.len() - too_little.len();
-    let people: BTreeSet<_> = parts
-        .iter()
-        .map(|p| &met[p.0].row.meta.participant)
-        .collect();
+    let people: BTreeSet<_> = parts.iter().map(|p| &met[p.0].row.meta.participant).collect();
     let mut sentences = Vec::new();
     if !parts.is_empty() {
         let titles: Vec<String> = grows.iter().map(|m| m.title.to_lowercase()).collect();

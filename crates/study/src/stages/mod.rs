@@ -60,9 +60,7 @@ pub fn versions() -> BTreeMap<String, String> {
 }
 
 /// The commands of [`versions`] with figures among what they make.
-const DRAWING: [&str; 6] = [
-    "evaluate", "stats", "ablate", "validate", "rehearse", "report",
-];
+const DRAWING: [&str; 6] = ["evaluate", "stats", "ablate", "validate", "rehearse", "report"];
 
 /// [`versions`] where every figure looks as a style says, of which `hash` is the hash: what draws makes something else with another.
 pub fn versions_in_style(hash: &str) -> BTreeMap<String, String> {
@@ -82,11 +80,8 @@ mod tests {
 
     #[test]
     fn a_style_counts_where_figures_are_drawn_and_nowhere_else() {
-        let (plain, one, other) = (
-            versions(),
-            versions_in_style("0123456789"),
-            versions_in_style("abcdef0123"),
-        );
+        let (plain, one, other) =
+            (versions(), versions_in_style("0123456789"), versions_in_style("abcdef0123"));
         assert!(DRAWING.iter().all(|command| plain.contains_key(*command)));
         for (command, version) in &plain {
             let draws = DRAWING.contains(&command.as_str());

@@ -60,11 +60,7 @@ pub fn orders(
     options: &Orders,
 ) -> Result<Outcome<OrdersWritten>, StudyError> {
     let study = DesignFile::find(design)?;
-    let square = if options.latin {
-        Square::Latin
-    } else {
-        Square::Williams
-    };
+    let square = if options.latin { Square::Latin } else { Square::Williams };
     let is_crossed = |c: &Condition| !c.levels.is_empty();
     if options.blocks.is_some() && !study.design.conditions().iter().any(is_crossed) {
         let problem =
@@ -75,10 +71,7 @@ pub fn orders(
     let plan = OrderPlan::new(&study.design, square, options.blocks.as_deref())
         .map_err(|error| study.wrong(error.to_string(), error.suggestion()))?;
     if study.design.conditions().len() < 2 {
-        return Err(study.wrong(
-            "has fewer than two conditions: there is no order of them",
-            None,
-        ));
+        return Err(study.wrong("has fewer than two conditions: there is no order of them", None));
     }
     let people_file = study.people_file(None);
     let out = options.out.clone().unwrap_or_else(|| people_file.clone());
@@ -93,21 +86,13 @@ pub fn orders(
         return Err(StudyError::file(out, problem).with_help(help));
     }
     let (table, orders) = match options.people {
-        Some(n) => new_people(
-            &study,
-            &plan,
-            n,
-            &empty.map_or_else(Vec::new, |t| t.columns()),
-        )?,
+        Some(n) => new_people(&study, &plan, n, &empty.map_or_else(Vec::new, |t| t.columns()))?,
         None => same_people(&study, &plan, &people_file)?,
     };
     table.write(&out)?;
     let people = orders.len();
     let balance = OrderBalance::of(&study.design, orders.iter().map(Vec::as_slice));
-    let mut summary = vec![format!(
-        "orders of {people} people: {}",
-        out.to_slash_lossy()
-    )];
+    let mut summary = vec![format!("orders of {people} people: {}", out.to_slash_lossy())];
     if let Some(balance) = &balance {
         summary.extend(maveric_pages::orders(&study.design, balance)?);
     }
@@ -118,11 +103,7 @@ pub fn orders(
             "{people} people are no multiple of {whole}, after which every order has been met equally often"
         ));
     }
-    let value = OrdersWritten {
-        table: out,
-        square,
-        balance,
-    };
+    let value = OrdersWritten { table: out, square, balance };
     Ok(Outcome::new(value, summary, warnings))
 }
 
@@ -136,9 +117,7 @@ fn new_people(
     more: &[String],
 ) -> Result<Written, StudyError> {
     if !(1..=MOST_PEOPLE).contains(&n) {
-        return Err(StudyError::not_possible(format!(
-            "--people {n}: expected 1 to {MOST_PEOPLE}"
-        )));
+        return Err(StudyError::not_possible(format!("--people {n}: expected 1 to {MOST_PEOPLE}")));
     }
     let digits = n.to_string().len().max(2);
     let orders: Vec<Vec<ConditionId>> = (0..n).map(|person| plan.order(person)).collect();
@@ -156,10 +135,7 @@ fn new_people(
     for column in more.iter().filter(|name| !is_written(name)) {
         table = table.cells(column, std::iter::repeat_n(None::<String>, n));
     }
-    Ok((
-        table.cells("order", orders.iter().map(|order| Some(words(order)))),
-        orders,
-    ))
+    Ok((table.cells("order", orders.iter().map(|order| Some(words(order)))), orders))
 }
 
 /// The design's own table of people, with an order for each who is tested and has none.
@@ -241,10 +217,8 @@ pub(crate) fn agrees(
             person.id
         )));
     }
-    let mut timed: Vec<(u64, ConditionId)> = recorded
-        .iter()
-        .filter_map(|(id, ns)| Some(((*ns)?, *id)))
-        .collect();
+    let mut timed: Vec<(u64, ConditionId)> =
+        recorded.iter().filter_map(|(id, ns)| Some(((*ns)?, *id))).collect();
     timed.sort_unstable();
     let place = |id: &ConditionId| order.iter().position(|other| other == id);
     let turned = timed
@@ -302,10 +276,7 @@ mod tests {
     #[test]
     fn new_people_have_balanced_orders_that_the_design_reads() {
         let folder = Folder::new();
-        folder.write(
-            "study.toml",
-            &DESIGN.replace("[[factor]]\ncolumn = \"city\"\n", ""),
-        );
+        folder.write("study.toml", &DESIGN.replace("[[factor]]\ncolumn = \"city\"\n", ""));
         let written = folder.orders(Some(8), None).unwrap();
         assert!(written.warnings.is_empty(), "{:?}", written.warnings);
         let people = folder.study().people(None).unwrap().enrolled;
@@ -315,12 +286,7 @@ mod tests {
         assert_eq!(balance.balance, Balance::PlacesAndSuccession);
         assert_eq!(written.value.balance, Some(balance));
         // What is there is never written over.
-        assert!(
-            folder
-                .orders(Some(8), None)
-                .unwrap_err()
-                .contains("is there already")
-        );
+        assert!(folder.orders(Some(8), None).unwrap_err().contains("is there already"));
         let uneven = folder.orders(Some(6), Some("six.csv")).unwrap();
         assert!(
             uneven.warnings[0].contains("6 people are no multiple of 4"),
@@ -328,10 +294,7 @@ mod tests {
             uneven.warnings
         );
         assert!(
-            folder
-                .orders(Some(0), Some("none.csv"))
-                .unwrap_err()
-                .contains("expected 1 to 10000")
+            folder.orders(Some(0), Some("none.csv")).unwrap_err().contains("expected 1 to 10000")
         );
     }
 
@@ -369,45 +332,21 @@ mod tests {
         folder.write("participants.csv", table);
         let written = folder.orders(None, Some("new.csv")).unwrap();
         assert_eq!(written.value.balance.unwrap().people, 4);
-        let people = folder
-            .study()
-            .people(Some(&folder.0.path().join("new.csv")))
-            .unwrap()
-            .enrolled;
+        let people =
+            folder.study().people(Some(&folder.0.path().join("new.csv"))).unwrap().enrolled;
         let order = |id: &str| words(&people.iter().find(|p| p.id.as_str() == id).unwrap().order);
-        assert_eq!(
-            [order("A1"), order("B1"), order("L1")],
-            ["a b d c", "d c b a", ""]
-        );
+        assert_eq!([order("A1"), order("B1"), order("L1")], ["a b d c", "d c b a", ""]);
         assert_eq!(order("A2"), order("B2"));
         assert_eq!(people[0].cells["note"], "n");
-        assert!(
-            folder
-                .orders(None, None)
-                .unwrap_err()
-                .contains("is there already")
-        );
+        assert!(folder.orders(None, None).unwrap_err().contains("is there already"));
     }
 
     #[test]
     fn without_people_or_conditions_to_order_there_are_no_orders() {
         let folder = Folder::new();
-        assert!(
-            folder
-                .orders(None, None)
-                .unwrap_err()
-                .contains("is not there")
-        );
-        folder.write(
-            "study.toml",
-            "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n",
-        );
-        assert!(
-            folder
-                .orders(Some(3), None)
-                .unwrap_err()
-                .contains("fewer than two conditions")
-        );
+        assert!(folder.orders(None, None).unwrap_err().contains("is not there"));
+        folder.write("study.toml", "[study]\ntitle = \"t\"\n[[condition]]\nid = \"a\"\n");
+        assert!(folder.orders(Some(3), None).unwrap_err().contains("fewer than two conditions"));
     }
 
     #[test]
@@ -419,17 +358,9 @@ mod tests {
         );
         let people = folder.study().people(None).unwrap().enrolled;
         let told = |person: usize, recorded: &[(&str, Option<u64>)]| {
-            let recorded = recorded
-                .iter()
-                .map(|(id, ns)| (id.parse().unwrap(), *ns))
-                .collect();
-            agrees(
-                Path::new("participants.csv"),
-                person,
-                &people[person],
-                &recorded,
-            )
-            .map_err(|e| e.to_string())
+            let recorded = recorded.iter().map(|(id, ns)| (id.parse().unwrap(), *ns)).collect();
+            agrees(Path::new("participants.csv"), person, &people[person], &recorded)
+                .map_err(|e| e.to_string())
         };
         // Clocks that agree, clocks that do not tell, a condition that was not recorded, nobody's order.
         assert!(told(1, &[("a", Some(1)), ("b", Some(2)), ("c", Some(3))]).is_ok());
@@ -444,9 +375,6 @@ mod tests {
             "{error}"
         );
         let error = told(1, &[("a", Some(1)), ("d", None)]).unwrap_err();
-        assert!(
-            error.contains("expected an order with `d`, of which A2 has a log"),
-            "{error}"
-        );
+        assert!(error.contains("expected an order with `d`, of which A2 has a log"), "{error}");
     }
 }

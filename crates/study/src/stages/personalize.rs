@@ -127,12 +127,7 @@ impl Stage for Personalize {
         refuse_learned_from_gone(&study, &self.model)?;
         let model = read_model(&self.model)?;
         let baseline = study.design.baseline_id();
-        let drives = drives_of(
-            &self.drives,
-            design,
-            self.participants.as_deref(),
-            Part::Test,
-        )?;
+        let drives = drives_of(&self.drives, design, self.participants.as_deref(), Part::Test)?;
         let (scores, scored_without_drive) = self.scores_of(&drives)?;
         let model = model.on_range(scores.range);
         let personalizer = Personalizer::of_first(&model, self.fit_fraction)?;
@@ -257,15 +252,10 @@ impl Personalize {
 
 /// How many drives show no habit, and what is said of them.
 fn without_habits(rows: &[EmbeddingRow]) -> (usize, Vec<String>) {
-    let blank: BTreeSet<&str> = rows
-        .iter()
-        .filter(|row| row.readings == Some(0))
-        .map(|row| row.drive.as_str())
-        .collect();
+    let blank: BTreeSet<&str> =
+        rows.iter().filter(|row| row.readings == Some(0)).map(|row| row.drive.as_str()).collect();
     let why = "shows no habit (no free road, nobody followed or passed), so its driver is taken as anybody";
-    let reasons = blank
-        .iter()
-        .map(|drive| ((*drive).to_owned(), why.to_owned()));
+    let reasons = blank.iter().map(|drive| ((*drive).to_owned(), why.to_owned()));
     (blank.len(), told_once("drive", reasons))
 }
 
@@ -277,10 +267,7 @@ fn scored_without_drive(
     path: &Path,
 ) -> Result<usize, StudyError> {
     let scored: BTreeSet<&str> = scores.rows.iter().map(|s| s.participant.as_str()).collect();
-    let drive: BTreeSet<&str> = drives
-        .iter()
-        .map(|d| d.meta().participant.as_str())
-        .collect();
+    let drive: BTreeSet<&str> = drives.iter().map(|d| d.meta().participant.as_str()).collect();
     let without = scored.difference(&drive).count();
     if !scored.is_empty() && without == scored.len() {
         let first =
@@ -321,10 +308,7 @@ fn fit(personalizer: &Personalizer<'_>, task: &Task<'_>) -> Result<EmbeddingRow,
         adb_used: fitted.used_adb,
         adb: task.adb.map(StyleScore::points),
         adb_hat: fitted.aggression_hat,
-        line_position: axis
-            .as_ref()
-            .map(|a| a.position(&fitted.embedding))
-            .transpose()?,
+        line_position: axis.as_ref().map(|a| a.position(&fitted.embedding)).transpose()?,
         readings: Some(fitted.readings),
         line_position_se: axis.and_then(|a| fitted.sd_along(a.gradient())),
         support_p: fitted.support.as_ref().and_then(|s| s.p),

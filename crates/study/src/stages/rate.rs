@@ -81,10 +81,7 @@ impl Rate {
         let study = DesignFile::below(root, self.design.as_deref());
         let in_seat = study.is_some_and(|study| is_pressed_in_seat(root, &study));
         if says && !in_seat && self.drives.is_some() {
-            vec![
-                presses_path(&self.measures),
-                press_moments_path(&self.measures),
-            ]
+            vec![presses_path(&self.measures), press_moments_path(&self.measures)]
         } else {
             Vec::new()
         }
@@ -232,10 +229,7 @@ impl<'a> Asking<'a> {
             let scale = scales.iter().find(|scale| scale.id == probe.scale);
             let missing = || {
                 study.wrong(
-                    format!(
-                        "`protocol.probe.scale`: `{}`, and no scale has that id",
-                        probe.scale
-                    ),
+                    format!("`protocol.probe.scale`: `{}`, and no scale has that id", probe.scale),
                     Some("write it into the folder of --scales".to_owned()),
                 )
             };
@@ -244,28 +238,16 @@ impl<'a> Asking<'a> {
         let probe = probe.transpose()?;
         let by_hand = drives.iter().filter(|d| drove_first(d, baseline));
         let by_hand: Vec<&MeasureValues> = by_hand.map(|d| &d.values).collect();
-        Ok(Self {
-            design,
-            baseline,
-            scales,
-            effects,
-            spread: spread(&by_hand),
-            probe,
-            seed,
-        })
+        Ok(Self { design, baseline, scales, effects, spread: spread(&by_hand), probe, seed })
     }
 
     /// The rides of a person that the car drove: each session and each round of rides in the person's order.
     fn rides(&self, person: &Participant) -> Vec<Ride> {
-        let simulated = |id: &&ConditionId| {
-            self.design
-                .condition(**id)
-                .is_some_and(Condition::simulated)
-        };
+        let simulated =
+            |id: &&ConditionId| self.design.condition(**id).is_some_and(Condition::simulated);
         let order = person.order.iter().filter(simulated);
-        let mut rides: Vec<Ride> = order
-            .flat_map(|&condition| self.design.rides(condition))
-            .collect();
+        let mut rides: Vec<Ride> =
+            order.flat_map(|&condition| self.design.rides(condition)).collect();
         rides.sort_by_key(|ride| ride.occasion);
         rides
     }
@@ -280,10 +262,7 @@ impl<'a> Asking<'a> {
         let theirs = drives.iter().filter(|d| d.meta.participant == person.id);
         let theirs: Vec<&MeasuredDrive> = theirs.collect();
         let Some(by_hand) = theirs.iter().find(|d| drove_first(d, self.baseline)) else {
-            sheets.warnings.push(format!(
-                "participant {}: no own drive, so no ratings",
-                person.id
-            ));
+            sheets.warnings.push(format!("participant {}: no own drive, so no ratings", person.id));
             return Ok(());
         };
         let rides = self.rides(person);
@@ -315,9 +294,7 @@ impl<'a> Asking<'a> {
                 sheets.probes.extend(given);
             }
         }
-        let trials = driven
-            .iter()
-            .map(|(ride, drive)| (*ride, drive.values.clone()));
+        let trials = driven.iter().map(|(ride, drive)| (*ride, drive.values.clone()));
         let trials: Vec<(Ride, MeasureValues)> = trials.collect();
         let rated = maveric_participants::rate(
             person,

@@ -69,19 +69,12 @@ impl Stage for Recommend {
         let mut recommendations = Vec::new();
         for (done, p) in wanted.iter().enumerate() {
             watch.step(done, wanted.len(), "people")?;
-            let others: Vec<ParticipantId> = data
-                .participants
-                .iter()
-                .filter(|o| o != p)
-                .cloned()
-                .collect();
+            let others: Vec<ParticipantId> =
+                data.participants.iter().filter(|o| o != p).cloned().collect();
             let learned = Learned::from(&data, &others)?;
             recommendations.push(learned.recommendation(&data, p));
         }
-        let value = Recommended {
-            participants: data.participants.len(),
-            recommendations,
-        };
+        let value = Recommended { participants: data.participants.len(), recommendations };
         if let Some(out) = &self.out {
             write_json(out, &value)?;
         }
@@ -102,35 +95,23 @@ impl Stage for Recommend {
 fn warnings(recommendations: &[Recommendation]) -> Vec<String> {
     let has_top = |r: &&Recommendation, preferred: bool| r.preferred.is_some() == preferred;
     let strangers = |preferred: bool| {
-        let these = recommendations
-            .iter()
-            .filter(move |r| has_top(r, preferred));
+        let these = recommendations.iter().filter(move |r| has_top(r, preferred));
         these.filter_map(|r| Some((r.participant.to_string(), r.beyond.as_ref()?)))
     };
-    let no_top = recommendations
-        .iter()
-        .filter(|r| has_top(r, false) && r.beyond.is_none())
-        .map(|r| {
+    let no_top =
+        recommendations.iter().filter(|r| has_top(r, false) && r.beyond.is_none()).map(|r| {
             let why = "the ratings have no highest point, so nothing is recommended";
             (r.participant.to_string(), why.to_owned())
         });
     let mut warnings = told_once("participant", no_top);
-    warnings.extend(beyond::named(
-        "participant",
-        strangers(false),
-        ", so nothing is recommended",
-    ));
+    warnings.extend(beyond::named("participant", strangers(false), ", so nothing is recommended"));
     let turned = "; the dial is turned all the same, as the design asks";
     warnings.extend(beyond::named("participant", strangers(true), turned));
     warnings
 }
 
 fn unknown(name: &str, data: &StudyData) -> StudyError {
-    let known: Vec<&str> = data
-        .participants
-        .iter()
-        .map(ParticipantId::as_str)
-        .collect();
+    let known: Vec<&str> = data.participants.iter().map(ParticipantId::as_str).collect();
     let problem = format!("no participant `{name}` with an own drive in this study");
     let help = format!("participants are {}", known.join(", "));
     StudyError::not_possible(problem).with_help(help)
@@ -160,11 +141,7 @@ impl Points {
 }
 
 fn lines(r: &Recommendation, said: Points, at_length: bool) -> Vec<String> {
-    let Points {
-        unit,
-        near,
-        further,
-    } = said;
+    let Points { unit, near, further } = said;
     let fine = 1 + further;
     let line = |p: &Preferred| {
         format!(
@@ -176,11 +153,8 @@ fn lines(r: &Recommendation, said: Points, at_length: bool) -> Vec<String> {
         Some(why) => format!("no recommendation: {}", beyond_in_words(why)),
         None => "no recommendation: the ratings have no highest point".to_owned(),
     };
-    let mut lines = vec![format!(
-        "{}: {}",
-        r.participant,
-        r.preferred.as_ref().map_or_else(none, line)
-    )];
+    let mut lines =
+        vec![format!("{}: {}", r.participant, r.preferred.as_ref().map_or_else(none, line))];
     if let Some(s) = &r.on_the_scale {
         lines.push(format!(
             "  on the scale: {:.further$} points (95% {:.further$} to {:.further$}), the own style being {:.further$} ± {:.further$}",
@@ -188,18 +162,11 @@ fn lines(r: &Recommendation, said: Points, at_length: bool) -> Vec<String> {
         ));
     }
     if at_length {
-        lines.push(format!(
-            "  before riding: {}",
-            r.before_riding.as_ref().map_or_else(none, line)
-        ));
+        lines
+            .push(format!("  before riding: {}", r.before_riding.as_ref().map_or_else(none, line)));
         for reason in r.reasons.iter().take(SHOWN) {
-            let z = reason
-                .standardised
-                .map_or_else(String::new, |z| format!(" ({z:+.1} SD)"));
-            lines.push(format!(
-                "  {:+.fine$} points: {}{z}",
-                reason.points, reason.because
-            ));
+            let z = reason.standardised.map_or_else(String::new, |z| format!(" ({z:+.1} SD)"));
+            lines.push(format!("  {:+.fine$} points: {}{z}", reason.points, reason.because));
         }
     }
     lines
@@ -214,22 +181,13 @@ mod tests {
         let recommended = Recommendation {
             participant: ParticipantId::new("p").unwrap(),
             beyond: None,
-            preferred: Some(Preferred {
-                points: 1.25,
-                low: 0.5,
-                high: 2.0,
-                within_5: 0.75,
-            }),
+            preferred: Some(Preferred { points: 1.25, low: 0.5, high: 2.0, within_5: 0.75 }),
             on_the_scale: None,
             before_riding: None,
             reasons: Vec::new(),
         };
         let said = |unit, near, further| {
-            let points = Points {
-                unit,
-                near,
-                further,
-            };
+            let points = Points { unit, near, further };
             lines(&recommended, points, false)
         };
         assert_eq!(
@@ -237,9 +195,6 @@ mod tests {
             ["p: +1.25 points (95% +0.50 to +2.00; within 0.57 points with probability 0.75)"]
         );
         let adb = &said("ADB points", 5.0, 0)[0];
-        assert!(
-            adb.contains(" ADB points (95% +0.5 to +2.0; within 5 points with"),
-            "{adb}"
-        );
+        assert!(adb.contains(" ADB points (95% +0.5 to +2.0; within 5 points with"), "{adb}");
     }
 }

@@ -112,10 +112,7 @@ impl Stage for Rehearse {
         let study = DesignFile::below_or_paper(root, self.design.as_deref())?;
         let files = study.design.files();
         let effects = files.effects.as_ref().filter(|_| self.effects.is_none());
-        let scales = self
-            .scales
-            .clone()
-            .unwrap_or_else(|| study.resolve(&files.scales));
+        let scales = self.scales.clone().unwrap_or_else(|| study.resolve(&files.scales));
         Ok(Files::default()
             .reads_design(self.design.as_deref())
             .reads(&self.population)
@@ -148,11 +145,7 @@ impl Stage for Rehearse {
         for &scale in &self.effect_scales {
             grid.extend(self.participants.iter().map(|n| (scale, *n)));
         }
-        let worlds: Vec<World> = self
-            .effect_scales
-            .iter()
-            .map(|s| world.scaled(*s))
-            .collect();
+        let worlds: Vec<World> = self.effect_scales.iter().map(|s| world.scaled(*s)).collect();
         let mut items = Vec::new();
         for (cell, _) in grid.iter().enumerate() {
             items.extend((0..self.studies).map(|index| (cell, index)));
@@ -182,31 +175,19 @@ impl Stage for Rehearse {
             Some(path) => signs::signs(path, &cells)?,
             None => Vec::new(),
         };
-        let mut value = Rehearsal {
-            synthetic: true,
-            cells,
-            findings: Vec::new(),
-            signs,
-        };
+        let mut value = Rehearsal { synthetic: true, cells, findings: Vec::new(), signs };
         value.findings = match (value.is_null(), value.cells.first(), value.largest()) {
             (true, Some(cell), _) => vec![findings::families(cell), findings::single(cell)],
             (false, _, Some(cell)) => vec![findings::power(cell)],
             _ => Vec::new(),
         };
         write_json(&self.out.join("rehearsal.json"), &value)?;
-        let words = page::Words {
-            studies: self.studies,
-            null: value.is_null(),
-            signs: &value.signs,
-        };
+        let words =
+            page::Words { studies: self.studies, null: value.is_null(), signs: &value.signs };
         let texts = PageTexts::new(REHEARSAL, &words)?;
         let page = write_page(&self.out, &page::page(&value, self, &texts)?)?;
         let mut summary = tables::summary(&value, &texts)?;
-        summary.push(format!(
-            "{} synthetic studies: {}",
-            items.len(),
-            page.to_slash_lossy()
-        ));
+        summary.push(format!("{} synthetic studies: {}", items.len(), page.to_slash_lossy()));
         let warnings = beyond_reach(&lent.concat());
         Ok(Outcome::new(value, summary, warnings))
     }
@@ -253,28 +234,16 @@ fn check(options: &Rehearse) -> Result<(), StudyError> {
     if options.participants.is_empty() || options.effect_scales.is_empty() || options.studies == 0 {
         return refuse("no size, no scale of the effects or no study to rehearse".to_owned());
     }
-    if let Some(n) = options
-        .participants
-        .iter()
-        .find(|n| !(4..=500).contains(*n))
-    {
+    if let Some(n) = options.participants.iter().find(|n| !(4..=500).contains(*n)) {
         return refuse(format!("a study of {n} participants, expected 4 to 500"));
     }
     if !options.participants.is_sorted_by(|a, b| a < b) {
         return refuse("sizes of studies must ascend".to_owned());
     }
-    if let Some(scale) = options
-        .effect_scales
-        .iter()
-        .find(|s| !(0.0..=10.0).contains(*s))
-    {
+    if let Some(scale) = options.effect_scales.iter().find(|s| !(0.0..=10.0).contains(*s)) {
         return refuse(format!("effects times {scale}, expected 0 to 10"));
     }
-    if options
-        .effect_scales
-        .iter()
-        .enumerate()
-        .any(|(i, s)| options.effect_scales[..i].contains(s))
+    if options.effect_scales.iter().enumerate().any(|(i, s)| options.effect_scales[..i].contains(s))
     {
         return refuse("a scale of the effects stands twice".to_owned());
     }

@@ -99,11 +99,7 @@ impl Stage for DrawReport {
         let index = self.out.join("index.html");
         let mut summary: Vec<String> = findings.iter().map(|line| markup::plain(line)).collect();
         summary.push(format!("report: {}", index.to_slash_lossy()));
-        let value = Reported {
-            page: index,
-            files: files.len(),
-            findings,
-        };
+        let value = Reported { page: index, files: files.len(), findings };
         Ok(Outcome::new(value, summary, page.warnings))
     }
 }

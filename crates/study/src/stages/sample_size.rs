@@ -41,16 +41,11 @@ pub(super) fn sample_size(
         }]);
     };
     let rehearsed: Rehearsed = read_json(&path)?;
-    let planted: Vec<&Cell> = rehearsed
-        .cells
-        .iter()
-        .filter(|c| (c.effect_scale - 1.0).abs() < 1e-9)
-        .collect();
+    let planted: Vec<&Cell> =
+        rehearsed.cells.iter().filter(|c| (c.effect_scale - 1.0).abs() < 1e-9).collect();
     let mut lines = Vec::new();
     let mut add = |what: String, share: &dyn Fn(&Cell) -> Option<f64>| -> Result<(), StudyError> {
-        let shares = planted
-            .iter()
-            .filter_map(|cell| Some((share(cell)?, cell.participants)));
+        let shares = planted.iter().filter_map(|cell| Some((share(cell)?, cell.participants)));
         let shares: Vec<(f64, usize)> = shares.collect();
         if !shares.is_empty() {
             lines.push(texts.with(&Power { what, shares }).text("power")?);

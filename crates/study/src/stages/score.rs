@@ -120,15 +120,8 @@ pub struct ScoredSurveys {
 /// answers once a condition, and all sheets count, as the paper's scales were used; the interval then allows for sheets of one
 /// person being alike.
 fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Reliability {
-    let names: Vec<String> = matrix
-        .items
-        .iter()
-        .map(|item| format!("item {item}"))
-        .collect();
-    let before = matrix
-        .respondents
-        .iter()
-        .any(|(_, moment)| *moment == Moment::Pre);
+    let names: Vec<String> = matrix.items.iter().map(|item| format!("item {item}")).collect();
+    let before = matrix.respondents.iter().any(|(_, moment)| *moment == Moment::Pre);
     let counts = |moment: Moment| !before || moment == Moment::Pre;
     let (people, sheets): (Vec<String>, Vec<&Vec<Option<f64>>>) = matrix
         .respondents
@@ -148,11 +141,7 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .collect();
     let scale = scales.iter().find(|s| s.id == matrix.scale);
     // Numbers of people's own have no points in common: what they hold together by is not asked.
-    let rates = |item: &u32| {
-        scale
-            .and_then(|s| s.item(*item))
-            .is_some_and(|i| i.kind.rates())
-    };
+    let rates = |item: &u32| scale.and_then(|s| s.item(*item)).is_some_and(|i| i.kind.rates());
     let analysis = maveric_stats::alpha(&items, Some(&people)).ok();
     let analysis = analysis.filter(|_| matrix.items.iter().all(rates));
     let alpha = analysis.as_ref().map(|a| &a.alpha);
@@ -166,9 +155,7 @@ fn reliability(matrix: &ItemMatrix, scales: &[Scale], scores: &[Score]) -> Relia
         .filter_map(|s| s.value)
         .collect();
     let subscale = scale.and_then(|s| s.subscales.iter().find(|u| u.id == matrix.subscale));
-    let ends = scale
-        .zip(subscale)
-        .map(|(scale, subscale)| scale.score_range(subscale));
+    let ends = scale.zip(subscale).map(|(scale, subscale)| scale.score_range(subscale));
     let count_at = |end: f64| values.iter().filter(|v| (*v - end).abs() < 1e-9).count();
     Reliability {
         scale: matrix.scale.clone(),
@@ -235,13 +222,8 @@ impl Stage for ScoreAnswers {
             .reads_people(root, self.design.as_deref(), self.participants.as_deref())
             .writes([&self.out])
             .writes(
-                [
-                    reliabilities_path,
-                    items_path,
-                    item_means_path,
-                    exclusions_path,
-                ]
-                .map(|beside| beside(&self.out)),
+                [reliabilities_path, items_path, item_means_path, exclusions_path]
+                    .map(|beside| beside(&self.out)),
             ))
     }
 
@@ -307,10 +289,7 @@ impl Stage for ScoreAnswers {
         write_rows(
             TableName::ItemMeans,
             &item_means_path(&self.out),
-            item_means(
-                &scales,
-                answers.iter().filter(|a| takes_part(&a.participant)),
-            ),
+            item_means(&scales, answers.iter().filter(|a| takes_part(&a.participant))),
         )?;
         let rows = exclusions(&warnings, &left_out, self.moments);
         write_rows(TableName::LeftOut, &exclusions_path(&self.out), rows)?;
@@ -333,11 +312,7 @@ impl Stage for ScoreAnswers {
             let n = count(*n, "answer", "answers");
             format!("participant {who} ({moment}): {n} {why}")
         }));
-        let value = ScoredSurveys {
-            scores: scored.scores.len(),
-            missing,
-            reliabilities,
-        };
+        let value = ScoredSurveys { scores: scored.scores.len(), missing, reliabilities };
         Ok(Outcome::new(value, summary, warnings))
     }
 }
@@ -346,10 +321,7 @@ fn write_reliabilities(out: &Path, rows: &[Reliability]) -> Result<(), StudyErro
     write_rows(TableName::Reliabilities, &reliabilities_path(out), rows)?;
     let items = rows.iter().flat_map(|score| {
         let named = (("scale", &score.scale), ("subscale", &score.subscale));
-        score
-            .item
-            .iter()
-            .map(move |item| (named, ("n", score.n), item))
+        score.item.iter().map(move |item| (named, ("n", score.n), item))
     });
     write_rows(TableName::Items, &items_path(out), items)
 }

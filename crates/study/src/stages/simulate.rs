@@ -158,10 +158,7 @@ impl Stage for Simulate {
             self.out.to_slash_lossy()
         )];
         if let (Some(page), Some(participant)) = (&self.watch, &watched) {
-            summary.push(format!(
-                "drives of {participant} to watch: {}",
-                page.to_slash_lossy()
-            ));
+            summary.push(format!("drives of {participant} to watch: {}", page.to_slash_lossy()));
         }
         let warnings = warnings(&value, ended_early, &strangers);
         Ok(Outcome::new(value, summary, warnings))
@@ -193,11 +190,7 @@ fn warnings(
     let early = (ended_early > 0).then(|| {
         format!(
             "{} left out: see drives/exclusions.csv",
-            count(
-                ended_early,
-                "drive ended early and is",
-                "drives ended early and are"
-            )
+            count(ended_early, "drive ended early and is", "drives ended early and are")
         )
     });
     let beyond = beyond::named(
@@ -210,10 +203,7 @@ fn warnings(
 
 /// Whoever's style is driven though their own drive is beyond what the model has learned from.
 fn strangers(conditions: &[ConditionRow]) -> BTreeMap<&ParticipantId, &BeyondWhy> {
-    conditions
-        .iter()
-        .filter_map(|row| Some((&row.participant, row.beyond_why.as_ref()?)))
-        .collect()
+    conditions.iter().filter_map(|row| Some((&row.participant, row.beyond_why.as_ref()?))).collect()
 }
 
 impl Simulate {
@@ -228,10 +218,9 @@ impl Simulate {
         logged: &Logged<'_>,
     ) -> Result<(), StudyError> {
         let drives = self.out.join("drives");
-        let ended = stopped.iter().map(|(drive, why)| EndedEarly {
-            drive: drive.to_string(),
-            what: why.to_string(),
-        });
+        let ended = stopped
+            .iter()
+            .map(|(drive, why)| EndedEarly { drive: drive.to_string(), what: why.to_string() });
         write_rows(TableName::EndedEarly, &drives.join("exclusions.csv"), ended)?;
         if let (true, Some((_, why))) = (driven.is_empty(), stopped.pop()) {
             return Err(why.into());
@@ -245,17 +234,11 @@ impl Simulate {
         {
             remove_former(&log_of(&self.out, gone.as_str()))?;
         }
-        let list: Vec<(DriveMeta, usize, f64)> = driven
-            .iter()
-            .map(|d| (d.meta.clone(), d.rows, d.duration_s))
-            .collect();
+        let list: Vec<(DriveMeta, usize, f64)> =
+            driven.iter().map(|d| (d.meta.clone(), d.rows, d.duration_s)).collect();
         write_drive_list(&drives, &list)?;
         let rollouts = driven.iter().map(|d| (("drive", &d.meta.drive), &d.report));
-        write_rows(
-            TableName::Rollouts,
-            &self.out.join("rollouts.csv"),
-            rollouts,
-        )
+        write_rows(TableName::Rollouts, &self.out.join("rollouts.csv"), rollouts)
     }
 }
 
@@ -274,10 +257,7 @@ fn write_page(options: &Simulate, page: &Path, driven: &[Driven]) -> Result<(), 
         ("Version", env!("CARGO_PKG_VERSION").to_owned()),
         ("Seed", options.seed.to_string()),
         ("Model", options.model.to_slash_lossy().into_owned()),
-        (
-            "Conditions",
-            options.conditions.to_slash_lossy().into_owned(),
-        ),
+        ("Conditions", options.conditions.to_slash_lossy().into_owned()),
         ("Scenario", scenario),
     ]
     .map(|(name, value)| (name.to_owned(), value));

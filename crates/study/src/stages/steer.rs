@@ -56,12 +56,7 @@ pub struct Steer {
     #[arg(long)]
     pub points: Option<f64>,
     /// Place these points in place of the conditions, such as --sweep=-20,-10,0,10,20
-    #[arg(
-        long,
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        value_name = "POINTS"
-    )]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_name = "POINTS")]
     pub sweep: Vec<f64>,
     /// Move along this score in place of aggression: SCALE.SUBSCALE of a table of scores, or any table's column
     #[arg(long, requires = "scores", value_name = "NAME")]
@@ -135,10 +130,7 @@ impl Stage for Steer {
         };
         let people = own_drives(&rows, baseline);
         if people.is_empty() {
-            return Err(StudyError::file(
-                &self.embeddings,
-                "holds no own drive to steer from",
-            ));
+            return Err(StudyError::file(&self.embeddings, "holds no own drive to steer from"));
         }
         let outcome = match &axis {
             Some(axis) if sweeps => sweep::sweep(self, &study, (&model, axis), &people, watch)?,
@@ -150,10 +142,8 @@ impl Stage for Steer {
 }
 
 fn is_beyond(model: &Model, embedding: &Embedding) -> Result<bool, StudyError> {
-    Ok(
-        share_outside_training(model, std::slice::from_ref(embedding))?
-            .is_some_and(|share| share > 0.5),
-    )
+    Ok(share_outside_training(model, std::slice::from_ref(embedding))?
+        .is_some_and(|share| share > 0.5))
 }
 
 /// SD of by how many points a style was moved from one end of a step to the other.

@@ -121,22 +121,13 @@ impl Stage for Train {
             .reads(&self.scores)
             .reads_people(root, design, self.participants.as_deref())
             .reads_style(study.as_ref())
-            .writes([
-                &self.out,
-                &training_path(&self.out),
-                &embeddings_path(&self.out),
-            ]))
+            .writes([&self.out, &training_path(&self.out), &embeddings_path(&self.out)]))
     }
 
     /// Trains on every drive of a folder; writes the model, the training's report and the training embeddings.
     fn work(&self, watch: Watch<'_>) -> Result<Outcome<TrainingSummary>, StudyError> {
         let design = self.design.as_deref();
-        let drives = drives_of(
-            &self.drives,
-            design,
-            self.participants.as_deref(),
-            Part::Learn,
-        )?;
+        let drives = drives_of(&self.drives, design, self.participants.as_deref(), Part::Learn)?;
         let scores = self.scores.as_deref().map(read_scores).transpose()?;
         let study = DesignFile::here(design)?;
         let scores = StyleScores::of(scores.unwrap_or_default(), study.as_ref())?;
@@ -278,10 +269,7 @@ impl Train {
         let twice: Vec<[&Drive; 2]> = again
             .iter()
             .filter_map(|second| {
-                Some([
-                    training.iter().find(|t| same(t.drive, second))?.drive,
-                    second,
-                ])
+                Some([training.iter().find(|t| same(t.drive, second))?.drive, second])
             })
             .collect();
         let model = learn_days(model, training, self.fit_fraction, &twice, self.seed)?;
@@ -306,19 +294,12 @@ fn style_of(model: &Model) -> Option<StyleHead> {
 
 /// What a head learned from and how it does on driving kept back, in a line.
 fn head_line(head: &HeadReport) -> String {
-    let learned = format!(
-        "{}: {} events of {} drives",
-        head.title, head.events, head.drives
-    );
+    let learned = format!("{}: {} events of {} drives", head.title, head.events, head.drives);
     let Some(kept) = &head.kept_back else {
         return learned;
     };
     let worse = no_better(kept.head, kept.own_mean);
-    let unit = if head.unit == "1" {
-        ""
-    } else {
-        head.unit.as_str()
-    };
+    let unit = if head.unit == "1" { "" } else { head.unit.as_str() };
     format!(
         "{learned}; off by {:.2} {unit} on {} kept back, the own mean by {:.2}, everybody's by {:.2}{worse}",
         kept.head, kept.events, kept.own_mean, kept.everybody
@@ -326,11 +307,7 @@ fn head_line(head: &HeadReport) -> String {
 }
 
 fn no_better(error: f64, of_own_mean: f64) -> &'static str {
-    if error < of_own_mean {
-        ""
-    } else {
-        " (no better than the own mean)"
-    }
+    if error < of_own_mean { "" } else { " (no better than the own mean)" }
 }
 
 /// How well the style says the score, in a line.
@@ -355,16 +332,9 @@ fn validation_line(selection: &Selection) -> String {
     let beside = |what: &str, unit: &str, network: Option<f64>, own: Option<f64>| {
         let (network, own) = (network?, own?);
         let worse = no_better(network, own);
-        Some(format!(
-            "{what} off by {network:.2} {unit}, the own mean by {own:.2}{worse}"
-        ))
+        Some(format!("{what} off by {network:.2} {unit}, the own mean by {own:.2}{worse}"))
     };
-    let gap = beside(
-        "F",
-        "m",
-        networks.following_distance_m,
-        own.following_distance_m,
-    );
+    let gap = beside("F", "m", networks.following_distance_m, own.following_distance_m);
     let speed = beside("V", "m/s", networks.speed_mps, own.speed_mps);
     let calibration = selection.quality.lane_change.as_ref().map(|c| {
         format!(

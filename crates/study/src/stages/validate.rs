@@ -227,11 +227,7 @@ fn differing(files: &[PathBuf]) -> Result<Vec<Differing>, StudyError> {
         let model = read_model(path)?.on_range(ScoreRange::ADB);
         match all.iter_mut().find(|known| known.model.drives_as(&model)) {
             Some(known) => known.same.push(file),
-            None => all.push(Differing {
-                model,
-                file,
-                same: Vec::new(),
-            }),
+            None => all.push(Differing { model, file, same: Vec::new() }),
         }
     }
     Ok(all)
@@ -270,11 +266,8 @@ fn warnings(
     }
     let mut warnings = Vec::new();
     for of in models.iter().filter(|m| !m.same.is_empty()) {
-        let same = OneModel {
-            model: &of.model,
-            same: &of.same,
-            linear: of.heads == HeadsKind::Linear,
-        };
+        let same =
+            OneModel { model: &of.model, same: &of.same, linear: of.heads == HeadsKind::Linear };
         warnings.push(texts.with(&same).text("same")?);
     }
     for k in 0..MEASURES.len() {

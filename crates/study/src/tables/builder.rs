@@ -73,13 +73,7 @@ impl TableBuilder {
             format: "data frame",
             problem: e.to_string(),
         })?;
-        Ok(Table {
-            path,
-            frame,
-            decimal_comma: false,
-            origin: None,
-            stacked: None,
-        })
+        Ok(Table { path, frame, decimal_comma: false, origin: None, stacked: None })
     }
 
     /// Writes CSV, TSV or Parquet by the file's name, whole or not at all. In CSV and TSV a text that a spreadsheet would run as
@@ -104,11 +98,7 @@ impl TableBuilder {
             let plain: Vec<Option<String>> = texts
                 .iter()
                 .map(|cell| {
-                    Some(if is_formula(cell?) {
-                        format!("'{}", cell?)
-                    } else {
-                        cell?.to_owned()
-                    })
+                    Some(if is_formula(cell?) { format!("'{}", cell?) } else { cell?.to_owned() })
                 })
                 .collect();
             let plain = Column::new(name, plain);
@@ -126,9 +116,7 @@ impl TableBuilder {
 
 impl From<DataFrame> for TableBuilder {
     fn from(frame: DataFrame) -> Self {
-        Self {
-            columns: frame.into_columns(),
-        }
+        Self { columns: frame.into_columns() }
     }
 }
 
@@ -148,9 +136,6 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(text, "a\n'=cmd()\n'+1+1\n'@x\n'-a\n-2\nplain\n'quoted\n");
         let back = Table::read(&path).unwrap().text("a").unwrap();
-        assert_eq!(
-            back.iter().flatten().collect::<Vec<_>>(),
-            cells.iter().collect::<Vec<_>>()
-        );
+        assert_eq!(back.iter().flatten().collect::<Vec<_>>(), cells.iter().collect::<Vec<_>>());
     }
 }

@@ -75,9 +75,7 @@ pub struct LentRow {
 
 /// Writes the styles that were lent.
 pub fn write_lent(path: &Path, rows: &[LentRow]) -> Result<(), StudyError> {
-    let written = rows
-        .iter()
-        .map(|row| (row, &row.lent, coordinates(&row.embedding)));
+    let written = rows.iter().map(|row| (row, &row.lent, coordinates(&row.embedding)));
     write_rows(TableName::Lent, path, written)
 }
 

@@ -12,9 +12,7 @@ pub use maveric_domain::{ConditionRow, SweepPoint};
 
 /// Writes conditions, one row each; those of a sweep with its points.
 pub(crate) fn write_conditions(path: &Path, rows: &[ConditionRow]) -> Result<(), StudyError> {
-    let written = rows
-        .iter()
-        .map(|row| (row, coordinates(&row.embedding), &row.lent, &row.sweep));
+    let written = rows.iter().map(|row| (row, coordinates(&row.embedding), &row.lent, &row.sweep));
     write_rows(TableName::Conditions, path, written)
 }
 
@@ -59,9 +57,7 @@ mod tests {
             angle_rad: None,
             lent: None,
             beyond_training: false,
-            beyond_why: sweep.is_none().then(|| BeyondWhy::Habits {
-                habit: "pass".to_owned(),
-            }),
+            beyond_why: sweep.is_none().then(|| BeyondWhy::Habits { habit: "pass".to_owned() }),
             sweep,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
         };
@@ -73,10 +69,7 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("conditions.csv");
-        let sweep = vec![
-            row(Some(point(5.0, "P01-a"))),
-            row(Some(point(10.0, "P01-b"))),
-        ];
+        let sweep = vec![row(Some(point(5.0, "P01-a"))), row(Some(point(10.0, "P01-b")))];
         let lent = ConditionRow {
             condition: "lent".parse().unwrap(),
             lent: Some(Lent {

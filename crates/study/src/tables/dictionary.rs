@@ -205,10 +205,7 @@ mod tests {
         let name = |path: &str| entry_at(path).and_then(|entry| entry.name);
         assert_eq!(name("drives/study1/drives.csv"), Some(TableName::Drives));
         assert_eq!(name("drives/exclusions.csv"), Some(TableName::Exclusions));
-        assert_eq!(
-            name("av/drives/exclusions.csv"),
-            Some(TableName::EndedEarly)
-        );
+        assert_eq!(name("av/drives/exclusions.csv"), Some(TableName::EndedEarly));
         assert_eq!(name("drives/a/b/S1P01-own.parquet"), Some(TableName::Drive));
         assert_eq!(name("measurements.parquet"), Some(TableName::Measurements));
         assert!(name("other.csv").is_none() && name("my_scores.csv").is_none());
@@ -237,10 +234,7 @@ mod tests {
             ))
         };
         let read = file("{ name = \"drive\" }, { name = \"x\", means = \"y\" }").unwrap();
-        assert_eq!(
-            (read[0].columns[0].means.as_str(), read[0].columns.len()),
-            ("id", 2)
-        );
+        assert_eq!((read[0].columns[0].means.as_str(), read[0].columns.len()), ("id", 2));
         let error = file("{ name = \"x\" }").unwrap_err();
         assert!(error.contains("what `x` means"), "{error}");
     }

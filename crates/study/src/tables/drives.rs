@@ -259,9 +259,7 @@ pub(crate) fn write_drive_list(
     for gone in former_drives(folder, drives.iter().map(|d| d.0.drive.as_str())) {
         remove_former(&folder.join(format!("{gone}.parquet")))?;
     }
-    let rows = drives
-        .iter()
-        .map(|(meta, rows, s)| (meta, ("rows", rows), ("duration_s", s)));
+    let rows = drives.iter().map(|(meta, rows, s)| (meta, ("rows", rows), ("duration_s", s)));
     write_rows(TableName::Drives, &folder.join(LIST), rows)
 }
 
@@ -306,10 +304,7 @@ mod tests {
         let foreign = folder.path().join("P09-own.parquet");
         std::fs::copy(written, &foreign).unwrap();
         let said = read_drives(folder.path()).unwrap_err().to_string();
-        assert!(
-            said.contains("P09-own.parquet") && said.contains("does not list"),
-            "{said}"
-        );
+        assert!(said.contains("P09-own.parquet") && said.contains("does not list"), "{said}");
         assert!(refuse_foreign(folder.path(), ["P01-own"]).is_err());
         refuse_foreign(folder.path(), ["P09-own"]).unwrap();
         assert!(foreign.exists());

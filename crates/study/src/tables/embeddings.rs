@@ -16,12 +16,7 @@ fn covariances(d: usize) -> impl Iterator<Item = (String, usize, usize)> {
 /// The coordinates, each with the name of its column.
 pub(super) fn coordinates(embedding: &Embedding) -> Vec<(String, f64)> {
     let named = |(i, &w): (usize, &f64)| (format!("w{}", i + 1), w);
-    embedding
-        .coordinates()
-        .iter()
-        .enumerate()
-        .map(named)
-        .collect()
+    embedding.coordinates().iter().enumerate().map(named).collect()
 }
 
 /// The coordinates of each row.
@@ -59,18 +54,11 @@ pub fn read_embeddings(path: &Path) -> Result<Vec<EmbeddingRow>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive", "adb_used"])?;
     let embeddings = read_coordinates(&table)?;
-    let d = embeddings
-        .first()
-        .map_or(0, |w| w.as_ref().map_or(0, Vec::len));
+    let d = embeddings.first().map_or(0, |w| w.as_ref().map_or(0, Vec::len));
     let covariances = read_covariances(&table, d)?;
     let mut beside = vec![("embedding", embeddings), ("covariance", covariances)];
     // Tables without covariances have no errors beside them; one by hand need not say what is beyond a model.
-    beside.extend(table.absent(&[
-        "line_position_se",
-        "support_p",
-        "beyond_why",
-        "posted_unseen",
-    ]));
+    beside.extend(table.absent(&["line_position_se", "support_p", "beyond_why", "posted_unseen"]));
     table.records_beside(&beside)
 }
 
@@ -111,9 +99,7 @@ pub fn style_of<'a>(
             "has {} rows, and none of {who}; expected one row for everybody, or one a person",
             rows.len()
         ),
-        help: Some(format!(
-            "add the row of {who}, then open the seat or run the stage again"
-        )),
+        help: Some(format!("add the row of {who}, then open the seat or run the stage again")),
     })
 }
 
@@ -157,9 +143,7 @@ mod tests {
             readings: Some(60),
             line_position_se: covariance.as_ref().map(|_| 0.15),
             support_p: covariance.as_ref().map(|_| 0.002),
-            beyond_why: covariance.as_ref().map(|_| BeyondWhy::Style {
-                habit: "pass".to_owned(),
-            }),
+            beyond_why: covariance.as_ref().map(|_| BeyondWhy::Style { habit: "pass".to_owned() }),
             posted_unseen: covariance.as_ref().map(|_| true),
             covariance,
             embedding: Embedding::new(vec![0.5, -1.0]).unwrap(),
@@ -167,10 +151,8 @@ mod tests {
         let known = || Some(vec![0.04, 0.01, 0.01, 0.09]);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("embeddings.csv");
-        for rows in [
-            vec![row("a", None), row("b", None)],
-            vec![row("a", known()), row("b", None)],
-        ] {
+        for rows in [vec![row("a", None), row("b", None)], vec![row("a", known()), row("b", None)]]
+        {
             write_embeddings(&path, &rows).unwrap();
             assert_eq!(read_embeddings(&path).unwrap(), rows);
         }

@@ -15,9 +15,7 @@ const COUNTED: &str = "counted_s";
 
 /// Writes a row for each drive, a column for each measure.
 pub(crate) fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Result<(), StudyError> {
-    let written = drives
-        .iter()
-        .map(|d| (&d.meta, (COUNTED, d.counted_s), &d.values));
+    let written = drives.iter().map(|d| (&d.meta, (COUNTED, d.counted_s), &d.values));
     write_rows(TableName::Measurements, path, written)
 }
 
@@ -25,14 +23,7 @@ pub(crate) fn write_measurements(path: &Path, drives: &[MeasuredDrive]) -> Resul
 pub(crate) fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, StudyError> {
     let table = Table::read(path)?;
     table.each_once(&["drive"])?;
-    let about = [
-        "drive",
-        "participant",
-        "study",
-        "condition",
-        "driven_by",
-        COUNTED,
-    ];
+    let about = ["drive", "participant", "study", "condition", "driven_by", COUNTED];
     let about = about.into_iter().chain(OCCASION);
     let about: BTreeSet<&str> = about.collect();
     let metas = table.records::<DriveMeta>()?.into_iter();
@@ -40,17 +31,9 @@ pub(crate) fn read_measurements(path: &Path) -> Result<Vec<MeasuredDrive>, Study
     let counted = table.numbers_if_there(COUNTED)?;
     let mut drives: Vec<MeasuredDrive> = metas
         .zip(counted)
-        .map(|(meta, counted_s)| MeasuredDrive {
-            meta,
-            values: BTreeMap::new(),
-            counted_s,
-        })
+        .map(|(meta, counted_s)| MeasuredDrive { meta, values: BTreeMap::new(), counted_s })
         .collect();
-    for measure in table
-        .columns()
-        .iter()
-        .filter(|c| !about.contains(c.as_str()))
-    {
+    for measure in table.columns().iter().filter(|c| !about.contains(c.as_str())) {
         for (drive, value) in drives.iter_mut().zip(table.numbers(measure)?) {
             drive.values.insert(measure.clone(), value);
         }

@@ -68,10 +68,7 @@ pub(crate) fn read_of_rides(
     let sessions = study.design.protocol().session_count();
     let is_later = |on: &Occasion| sessions > 1 && !is_first(&on.session);
     let counts = cells.iter().zip(&on).map(|((who, condition), on)| {
-        let ride = Ride {
-            condition: *condition,
-            occasion: *on,
-        };
+        let ride = Ride { condition: *condition, occasion: *on };
         !is_later(on) && (!study.design.repeats() || keeps(who, ride))
     });
     let counts: Vec<bool> = counts.collect();
@@ -123,10 +120,7 @@ fn refuse_ours(study: &DesignFile) -> Result<(), StudyError> {
     let error = DesignError::key(
         "measure.id",
         format!("`{id}`"),
-        format!(
-            "another id: `{id}` is measured of every drive ({})",
-            ours.title.to_lowercase()
-        ),
+        format!("another id: `{id}` is measured of every drive ({})", ours.title.to_lowercase()),
     );
     Err(study.wrong(error.to_string(), None))
 }
@@ -156,11 +150,7 @@ fn known_people(
     let stranger = ids[row].as_str();
     let meant = nearest(stranger, people.iter().copied());
     let meant = meant.map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
-    let expected = format!(
-        "a person of {}: {}{meant}",
-        list.to_slash_lossy(),
-        names(&people)
-    );
+    let expected = format!("a person of {}: {}{meant}", list.to_slash_lossy(), names(&people));
     Err(table.bad_cell(row, "participant", stranger, expected))
 }
 
@@ -254,10 +244,7 @@ mod tests {
                 ("P02", "sporty", "glances", 1.0, 1),
             ]
         );
-        assert_eq!(
-            (own.rows.len(), own.undeclared),
-            (2, vec!["rater".to_owned()])
-        );
+        assert_eq!((own.rows.len(), own.undeclared), (2, vec!["rater".to_owned()]));
     }
 
     #[test]
@@ -288,10 +275,7 @@ mod tests {
                     "did you mean",
                 ][..],
             ),
-            (
-                "P01,own,1,1\n",
-                &["row 1, column `condition`", "found `own`", "calm, sporty"],
-            ),
+            ("P01,own,1,1\n", &["row 1, column `condition`", "found `own`", "calm, sporty"]),
             (
                 "P01,calm,1,1\nP02,calm,fast,1\n",
                 &["row 2, column `tor_s`", "found `fast`", "a finite number"],
@@ -315,17 +299,11 @@ mod tests {
         }
         let twice =
             refused("participant,condition,trial,tor_s,glances\nP01,calm,1,1,1\nP01,calm,1,2,1\n");
-        assert!(
-            twice.contains("found `P01, calm, 1`") && !twice.contains("averaged"),
-            "{twice}"
-        );
+        assert!(twice.contains("found `P01, calm, 1`") && !twice.contains("averaged"), "{twice}");
         let without = refused("participant,condition,tor_s\nP01,calm,1\n");
         assert!(without.contains("no column `glances`"), "{without}");
         let column = refused("participant,condition,tor_s,glances,tor_s\nP01,calm,1,1,2\n");
-        assert!(
-            column.contains("`tor_s` twice: columns 3 and 5"),
-            "{column}"
-        );
+        assert!(column.contains("`tor_s` twice: columns 3 and 5"), "{column}");
     }
 
     #[test]

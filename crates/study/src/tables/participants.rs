@@ -85,11 +85,7 @@ impl Made {
 pub fn write_participants(path: &Path, cohort: &Cohort, design: &Design) -> Result<(), StudyError> {
     let parts = design.people();
     let rows = cohort.participants.iter().enumerate().map(|(at, person)| {
-        let wanted = if at < cohort.learners {
-            &parts.learn
-        } else {
-            &parts.test
-        };
+        let wanted = if at < cohort.learners { &parts.learn } else { &parts.test };
         let word = |column: &str| {
             let word = wanted.as_ref().and_then(|w| w.get(column));
             (column.to_owned(), word.cloned().unwrap_or_default())
@@ -201,12 +197,8 @@ fn trimmed(cells: Vec<Option<String>>) -> Vec<Option<String>> {
 
 /// An age, or the middle of a band of ages: 30-39 are those from 30 to below 40.
 fn years(text: &str) -> Option<f64> {
-    let possible = |text: &str| {
-        text.trim()
-            .parse::<f64>()
-            .ok()
-            .filter(|y| (0.0..=130.0).contains(y))
-    };
+    let possible =
+        |text: &str| text.trim().parse::<f64>().ok().filter(|y| (0.0..=130.0).contains(y));
     match text.split_once('-') {
         None => possible(text),
         Some((low, high)) => {
@@ -279,18 +271,12 @@ mod tests {
         assert_eq!(people[0].age_years, Some(41.0));
         assert!(people[0].learned_from && !people[0].tested && people[1].tested);
         assert_eq!(people[0].cells["hours"], "3.5");
-        assert_eq!(
-            (people[1].age_years, people[1].gender.as_deref()),
-            (Some(35.0), None)
-        );
+        assert_eq!((people[1].age_years, people[1].gender.as_deref()), (Some(35.0), None));
         assert_eq!(
             people[1].order,
             ["mimic", "cautious"].map(|c| c.parse::<ConditionId>().unwrap())
         );
-        assert_eq!(
-            (people[2].age_years, people[2].gender.as_deref()),
-            (None, Some("other"))
-        );
+        assert_eq!((people[2].age_years, people[2].gender.as_deref()), (None, Some("other")));
         assert_eq!(read("participant,study\nA,1\n").unwrap().len(), 1);
     }
 
@@ -301,10 +287,7 @@ mod tests {
                 "participant,study\nA,1\nA,2\n",
                 "row 2, column `participant`: found `A`, expected each participant once",
             ),
-            (
-                "participant,study,age\nA,1,forty\n",
-                "row 1, column `age`: found `forty`",
-            ),
+            ("participant,study,age\nA,1,forty\n", "row 1, column `age`: found `forty`"),
             ("participant,study,age\nA,1,39-30\n", "39-30"),
             (
                 "participant,study,order\nA,2,mimic mimick\n",

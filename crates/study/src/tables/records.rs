@@ -42,9 +42,7 @@ impl Table {
     /// Those of these columns that the table does not have, missing in every row: for [`Table::records_beside`].
     pub(super) fn absent<'n>(&self, names: &[&'n str]) -> Vec<(&'n str, Vec<Option<Vec<f64>>>)> {
         let absent = names.iter().filter(|name| !self.has(name));
-        absent
-            .map(|name| (*name, vec![None; self.rows()]))
-            .collect()
+        absent.map(|name| (*name, vec![None; self.rows()])).collect()
     }
 
     /// As [`Table::records`], of those rows alone in which this column is not empty.
@@ -79,10 +77,7 @@ impl Table {
                 at,
                 reading: &reading,
             };
-            let cells = names
-                .iter()
-                .copied()
-                .zip(texts.iter().enumerate().map(cell));
+            let cells = names.iter().copied().zip(texts.iter().enumerate().map(cell));
             T::deserialize(MapDeserializer::new(cells)).map_err(|Expected(expected)| {
                 let column = reading.get();
                 let text = texts[column].get(row).and_then(Option::as_deref);
@@ -144,11 +139,7 @@ impl OneCell<'_> {
     }
 
     fn whole(&self) -> Result<i64, Expected> {
-        let rest = if self.optional {
-            ", or empty where it was left out"
-        } else {
-            ""
-        };
+        let rest = if self.optional { ", or empty where it was left out" } else { "" };
         let number = self.text.trim().parse();
         number.map_err(|_| Expected(format!("a whole number{rest}")))
     }
@@ -173,10 +164,7 @@ impl<'de> Deserializer<'de> for OneCell<'_> {
         if self.missing() {
             return visitor.visit_none();
         }
-        visitor.visit_some(Self {
-            optional: true,
-            ..self
-        })
+        visitor.visit_some(Self { optional: true, ..self })
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
@@ -209,9 +197,7 @@ impl<'de> Deserializer<'de> for OneCell<'_> {
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        visitor.visit_seq(SeqDeserializer::new(
-            self.list.unwrap_or_default().into_iter(),
-        ))
+        visitor.visit_seq(SeqDeserializer::new(self.list.unwrap_or_default().into_iter()))
     }
 
     fn deserialize_enum<V: Visitor<'de>>(
@@ -283,19 +269,12 @@ mod tests {
             ("P2,human,,inf,1,1,true", "score", "a finite number"),
             ("P2,human,,1,,1,true", "n", "a whole number"),
             ("P2,human,,1,-1,1,true", "n", "u32"),
-            (
-                "P2,human,,1,1,1.5,true",
-                "answer",
-                "a whole number, or empty where it was left out",
-            ),
+            ("P2,human,,1,1,1.5,true", "answer", "a whole number, or empty where it was left out"),
             ("P2,human,,1,1,1,yes", "kept", "true or false"),
         ] {
             let said = read(&format!("{head}{line}\n")).unwrap_err();
             let place = format!("t.csv: row 2, column `{column}`: found `");
-            assert!(
-                said.starts_with(&place) && said.contains(expected),
-                "{said}"
-            );
+            assert!(said.starts_with(&place) && said.contains(expected), "{said}");
         }
         let said = read("participant,driven_by,note,n,answer,kept\n").unwrap_err();
         assert!(said.contains("no column `score`"), "{said}");

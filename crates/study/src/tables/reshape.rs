@@ -12,10 +12,8 @@ impl Table {
     /// # Errors
     /// [`StudyError::NoColumn`]; [`StudyError::BadCell`] naming the second row and the first.
     pub(crate) fn each_once(&self, columns: &[&str]) -> Result<(), StudyError> {
-        let cells: Vec<Vec<Option<String>>> = columns
-            .iter()
-            .map(|column| self.text(column))
-            .collect::<Result<_, _>>()?;
+        let cells: Vec<Vec<Option<String>>> =
+            columns.iter().map(|column| self.text(column)).collect::<Result<_, _>>()?;
         let mut seen: BTreeMap<Vec<Option<&str>>, usize> = BTreeMap::new();
         for row in 0..self.rows() {
             let key: Vec<Option<&str>> = cells.iter().map(|c| c[row].as_deref()).collect();
@@ -42,10 +40,7 @@ impl Table {
             cell.trim() == wanted
                 || both.is_some_and(|(a, b)| (a - b).abs() <= f64::EPSILON * a.abs())
         };
-        let mask: Vec<bool> = cells
-            .iter()
-            .map(|cell| cell.as_deref().is_some_and(same))
-            .collect();
+        let mask: Vec<bool> = cells.iter().map(|cell| cell.as_deref().is_some_and(same)).collect();
         let kept: Vec<usize> = (0..mask.len()).filter(|&row| mask[row]).collect();
         if kept.is_empty() {
             let seen: BTreeSet<&str> = cells.iter().flatten().map(String::as_str).collect();
@@ -57,10 +52,7 @@ impl Table {
             return Err(StudyError::not_possible(problem).with_help(help));
         }
         let mask = BooleanChunked::from_slice("kept".into(), &mask);
-        let frame = self
-            .frame
-            .filter(&mask)
-            .map_err(|e| self.bad_column(column, &e))?;
+        let frame = self.frame.filter(&mask).map_err(|e| self.bad_column(column, &e))?;
         let origin = kept.iter().map(|&row| self.origin(row)).collect();
         Ok(Self {
             path: self.path.clone(),
@@ -92,11 +84,7 @@ impl Table {
             Column::new(value.into(), under(conditions, |name| self.text(name))?)
         };
         let mut columns = Vec::new();
-        for name in self
-            .columns()
-            .iter()
-            .filter(|name| !conditions.contains(name))
-        {
+        for name in self.columns().iter().filter(|name| !conditions.contains(name)) {
             let cells = self.text(name)?;
             let repeated: Vec<Option<String>> =
                 (0..rows * k).map(|i| cells[i / k].clone()).collect();
@@ -115,10 +103,7 @@ impl Table {
             frame,
             decimal_comma: self.decimal_comma,
             origin: Some((0..rows * k).map(|i| self.origin(i / k)).collect()),
-            stacked: Some(Stacked {
-                value: value.to_owned(),
-                columns: conditions.to_vec(),
-            }),
+            stacked: Some(Stacked { value: value.to_owned(), columns: conditions.to_vec() }),
         })
     }
 }
@@ -128,10 +113,8 @@ fn under<T: Clone>(
     columns: &[String],
     cells: impl Fn(&str) -> Result<Vec<Option<T>>, StudyError>,
 ) -> Result<Vec<Option<T>>, StudyError> {
-    let columns: Vec<Vec<Option<T>>> = columns
-        .iter()
-        .map(|name| cells(name))
-        .collect::<Result<_, _>>()?;
+    let columns: Vec<Vec<Option<T>>> =
+        columns.iter().map(|name| cells(name)).collect::<Result<_, _>>()?;
     let rows = columns.first().map_or(0, Vec::len);
     let row = |row: usize| columns.iter().map(move |column| column[row].clone());
     Ok((0..rows).flat_map(row).collect())

@@ -24,11 +24,7 @@ pub fn write_rows<T: Serialize>(
     let refused = |what: String| StudyError::file(path, format!("cannot be written: {what}"));
     // Whatever does not say of which session or trial it is, is of the first.
     let absent = |name: &str| {
-        if OCCASION.contains(&name) {
-            Value::from(1)
-        } else {
-            Value::Null
-        }
+        if OCCASION.contains(&name) { Value::from(1) } else { Value::Null }
     };
     let mut columns: Vec<(usize, String, Vec<Value>)> = Vec::new();
     let mut count = 0;
@@ -55,11 +51,7 @@ pub fn write_rows<T: Serialize>(
             if count > 0 {
                 return Err(refused(format!("no row has the column `{name}`")));
             }
-            columns.extend(
-                entry
-                    .place_of(name)
-                    .map(|at| (at, name.to_owned(), Vec::new())),
-            );
+            columns.extend(entry.place_of(name).map(|at| (at, name.to_owned(), Vec::new())));
         }
     }
     columns.sort_by_key(|column| column.0);
@@ -134,10 +126,7 @@ mod tests {
         let values = [Some(0.1 + 0.2), None, Some(1e-300)];
         let row = |value: &Option<f64>| serde_json::json!({ "drive": "d", "rows": 1, "participant": "P", "condition": "own", "driven_by": "human", "duration_s": value });
         write_rows(TableName::Drives, &path, values.iter().map(row)).unwrap();
-        assert_eq!(
-            Table::read(&path).unwrap().numbers("duration_s").unwrap(),
-            values
-        );
+        assert_eq!(Table::read(&path).unwrap().numbers("duration_s").unwrap(), values);
     }
 
     #[test]
@@ -146,10 +135,7 @@ mod tests {
         let path = folder.path().join("t.csv");
         write_rows::<Answered>(TableName::Answers, &path, []).unwrap();
         let table = Table::read(&path).unwrap();
-        assert_eq!(
-            table.columns(),
-            ["participant", "moment", "scale", "item", "answer"]
-        );
+        assert_eq!(table.columns(), ["participant", "moment", "scale", "item", "answer"]);
         assert!(table.records::<Answered>().unwrap().is_empty());
     }
 
@@ -166,17 +152,11 @@ mod tests {
         };
         let rows = [
             row("A", serde_json::json!([["trial.1.player.x_1", 2]])),
-            row(
-                "B",
-                serde_json::json!([["pre.1.player.x_1", 5], ["trial.1.player.x_1", 3]]),
-            ),
+            row("B", serde_json::json!([["pre.1.player.x_1", 5], ["trial.1.player.x_1", 3]])),
         ];
         write_rows(TableName::SurveysWide, &path, rows).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
-        assert_eq!(
-            text,
-            "participant.label,pre.1.player.x_1,trial.1.player.x_1\nA,,2\nB,5,3\n"
-        );
+        assert_eq!(text, "participant.label,pre.1.player.x_1,trial.1.player.x_1\nA,,2\nB,5,3\n");
     }
 
     #[test]
@@ -193,9 +173,6 @@ mod tests {
         let less = refused(serde_json::json!({ "participant": "P1" }));
         assert!(less.contains("no row has the column `models`"), "{less}");
         assert!(!path.exists());
-        assert_eq!(
-            refused(serde_json::json!({ "participant": "P1", "models": null })),
-            ""
-        );
+        assert_eq!(refused(serde_json::json!({ "participant": "P1", "models": null })), "");
     }
 }

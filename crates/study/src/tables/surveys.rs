@@ -100,26 +100,21 @@ pub(crate) fn occasions(table: &Table) -> Result<Vec<Occasion>, StudyError> {
         }
         let number = |(row, cell): (usize, Option<String>)| match cell.as_deref().map(str::trim) {
             None | Some("" | "NA") => Ok(occasion::first()),
-            Some(text) => text
-                .parse()
-                .map_err(|_| table.bad_cell(row, name, text, "a whole number from 1")),
+            Some(text) => {
+                text.parse().map_err(|_| table.bad_cell(row, name, text, "a whole number from 1"))
+            }
         };
         let cells = table.text(name)?.into_iter().enumerate();
         cells.map(number).collect()
     };
     let [sessions, trials]: [Result<Vec<NonZeroU32>, StudyError>; 2] = OCCASION.map(column);
     let both = sessions?.into_iter().zip(trials?);
-    Ok(both
-        .map(|(session, trial)| Occasion { session, trial })
-        .collect())
+    Ok(both.map(|(session, trial)| Occasion { session, trial }).collect())
 }
 
 /// The moment of each row by its words alone.
 fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
-    let words = table
-        .text("moment")?
-        .into_iter()
-        .map(Option::unwrap_or_default);
+    let words = table.text("moment")?.into_iter().map(Option::unwrap_or_default);
     if !table.has("condition") {
         // A table of before knows no end of the study: `post` can only be a condition.
         let moment = |(row, word): (usize, String)| match word.parse() {
@@ -143,11 +138,7 @@ fn words_as_moments(table: &Table) -> Result<Vec<Moment>, StudyError> {
             table.bad_cell(row, "moment", &word, expected)
         })
     };
-    words
-        .enumerate()
-        .zip(table.text("condition")?)
-        .map(moment)
-        .collect()
+    words.enumerate().zip(table.text("condition")?).map(moment).collect()
 }
 
 /// The answers of a table, each with its row: those to probes, and all others.
@@ -174,24 +165,13 @@ pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
     let mut answered = Answered::default();
     let mut sheets: BTreeMap<(ParticipantId, Moment, String), (f64, f64)> = BTreeMap::new();
     for (row, (cells, moment)) in cells.into_iter().zip(moments).enumerate() {
-        let Cells {
-            participant,
-            scale,
-            item,
-            answer,
-        } = cells;
+        let Cells { participant, scale, item, answer } = cells;
         if let Moment::Probe(ride) = moment {
             let at_s = at_s[row].filter(|s| *s >= 0.0).ok_or_else(|| {
                 let expected = "when the probe was asked, in s since the drive began";
                 table.bad_cell(row, "at_s", String::new(), expected)
             })?;
-            answered.probes.push(ProbeAnswer {
-                participant,
-                ride,
-                scale,
-                at_s,
-                answer,
-            });
+            answered.probes.push(ProbeAnswer { participant, ride, scale, at_s, answer });
             continue;
         }
         if let Some(seconds) = seconds[row] {
@@ -203,13 +183,7 @@ pub fn read_answered(path: &Path) -> Result<Answered, StudyError> {
             let (sum, n) = sheets.entry(sheet).or_default();
             (*sum, *n) = (*sum + seconds, *n + 1.0);
         }
-        answered.answers.push(Answer {
-            participant,
-            moment,
-            scale,
-            item,
-            answer,
-        });
+        answered.answers.push(Answer { participant, moment, scale, item, answer });
     }
     let mean = |((participant, moment, scale), (sum, n))| SheetTime {
         participant,
@@ -320,10 +294,7 @@ pub(crate) fn refuse_unclear(
     if sheets.values().any(|moments| moments.contains(&clear)) {
         return Ok(());
     }
-    let others: Vec<Moment> = ids()
-        .filter(|id| *id != shared)
-        .map(Moment::after)
-        .collect();
+    let others: Vec<Moment> = ids().filter(|id| *id != shared).map(Moment::after).collect();
     let unclear = |moments: &BTreeSet<Moment>| {
         moments.contains(&Moment::Pre) && others.iter().all(|other| moments.contains(other))
     };

@@ -31,13 +31,11 @@ pub(super) struct Stacked {
 }
 
 pub(super) fn is_parquet(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("parquet"))
 }
 
 pub(super) fn is_tsv(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tsv"))
 }
 
 /// Whether a spreadsheet takes a cell for a formula; a number is none.
@@ -47,9 +45,7 @@ pub(super) fn is_formula(cell: &str) -> bool {
 
 /// The text of a cell behind the `'` that keeps it from being a formula.
 fn without_guard(cell: &str) -> &str {
-    cell.strip_prefix('\'')
-        .filter(|rest| is_formula(rest))
-        .unwrap_or(cell)
+    cell.strip_prefix('\'').filter(|rest| is_formula(rest)).unwrap_or(cell)
 }
 
 impl Table {
@@ -64,10 +60,7 @@ impl Table {
         }
         let mut bytes = Vec::new();
         if path == Path::new("-") {
-            std::io::stdin()
-                .lock()
-                .read_to_end(&mut bytes)
-                .map_err(StudyError::read(path))?;
+            std::io::stdin().lock().read_to_end(&mut bytes).map_err(StudyError::read(path))?;
         } else {
             bytes = std::fs::read(path).map_err(StudyError::read(path))?;
         }
@@ -79,11 +72,7 @@ impl Table {
             let problem = "is empty, expected a table with a header line";
             return Err(StudyError::file(path, problem));
         }
-        let bad = |format, problem| StudyError::BadTable {
-            path: path.to_owned(),
-            format,
-            problem,
-        };
+        let bad = |format, problem| StudyError::BadTable { path: path.to_owned(), format, problem };
         let (frame, decimal_comma) = if maveric_ingest::is_parquet(&bytes) {
             let file = maveric_ingest::read_parquet(bytes, None);
             (file.map_err(|e| bad("Parquet", e))?.frame, false)
@@ -94,13 +83,7 @@ impl Table {
             let csv = maveric_ingest::read_csv(&bytes, separator).map_err(|e| bad("CSV", e))?;
             (csv.frame, csv.decimal_comma)
         };
-        Ok(Self {
-            path: path.to_owned(),
-            frame,
-            decimal_comma,
-            origin: None,
-            stacked: None,
-        })
+        Ok(Self { path: path.to_owned(), frame, decimal_comma, origin: None, stacked: None })
     }
 
     pub fn rows(&self) -> usize {
@@ -109,11 +92,7 @@ impl Table {
 
     /// Names of the columns, in order.
     pub fn columns(&self) -> Vec<String> {
-        self.frame
-            .get_column_names()
-            .iter()
-            .map(ToString::to_string)
-            .collect()
+        self.frame.get_column_names().iter().map(ToString::to_string).collect()
     }
 
     /// Whether there is a column of this name.
@@ -123,11 +102,7 @@ impl Table {
 
     /// The row of the file, from 0, that a row of this table was.
     pub(super) fn origin(&self, row: usize) -> usize {
-        self.origin
-            .as_ref()
-            .and_then(|rows| rows.get(row))
-            .copied()
-            .unwrap_or(row)
+        self.origin.as_ref().and_then(|rows| rows.get(row)).copied().unwrap_or(row)
     }
 
     /// Where the table came from.
@@ -155,16 +130,11 @@ impl Table {
     /// A column as text; a missing cell is `None`.
     pub fn text(&self, column: &str) -> Result<Vec<Option<String>>, StudyError> {
         let series = self.column(column)?;
-        let text = series
-            .cast(&DataType::String)
-            .map_err(|e| self.bad_column(column, &e))?;
+        let text = series.cast(&DataType::String).map_err(|e| self.bad_column(column, &e))?;
         let text = text.str().map_err(|e| self.bad_column(column, &e))?;
         Ok(text
             .iter()
-            .map(|cell| {
-                cell.filter(|t| !t.is_empty())
-                    .map(|t| without_guard(t).to_owned())
-            })
+            .map(|cell| cell.filter(|t| !t.is_empty()).map(|t| without_guard(t).to_owned()))
             .collect())
     }
 
@@ -193,11 +163,7 @@ impl Table {
     }
 
     fn number(&self, text: &str) -> Result<f64, ParseFloatError> {
-        if self.decimal_comma {
-            text.replace(',', ".").parse()
-        } else {
-            text.parse()
-        }
+        if self.decimal_comma { text.replace(',', ".").parse() } else { text.parse() }
     }
 
     /// A column as finite numbers; a missing cell (empty, `NA`, `null`) is `None`.
@@ -218,9 +184,7 @@ impl Table {
             };
             return cells.into_iter().enumerate().map(number).collect();
         }
-        let floats = series
-            .cast(&DataType::Float64)
-            .map_err(|e| self.bad_column(column, &e))?;
+        let floats = series.cast(&DataType::Float64).map_err(|e| self.bad_column(column, &e))?;
         let floats = floats.f64().map_err(|e| self.bad_column(column, &e))?;
         let number = |(row, cell): (usize, Option<f64>)| match cell {
             Some(value) if !value.is_finite() => {
@@ -233,11 +197,7 @@ impl Table {
 
     /// As [`Table::numbers`]; where there is no such column, every cell is missing.
     pub(crate) fn numbers_if_there(&self, column: &str) -> Result<Vec<Option<f64>>, StudyError> {
-        if self.has(column) {
-            self.numbers(column)
-        } else {
-            Ok(vec![None; self.rows()])
-        }
+        if self.has(column) { self.numbers(column) } else { Ok(vec![None; self.rows()]) }
     }
 
     /// A column in which every cell is a finite number.
@@ -283,15 +243,8 @@ mod tests {
 
     #[test]
     fn a_bad_cell_is_named_by_row_and_column() {
-        let error = table("a,b\n1,2\n3,x\n")
-            .unwrap()
-            .numbers("b")
-            .unwrap_err()
-            .to_string();
-        assert_eq!(
-            error,
-            "t.csv: row 2, column `b`: found `x`, expected a finite number"
-        );
+        let error = table("a,b\n1,2\n3,x\n").unwrap().numbers("b").unwrap_err().to_string();
+        assert_eq!(error, "t.csv: row 2, column `b`: found `x`, expected a finite number");
     }
 
     #[test]
@@ -354,10 +307,7 @@ mod tests {
 
     #[test]
     fn an_unknown_column_gets_the_nearest_name() {
-        let error = table("subject,value\n1,2\n")
-            .unwrap()
-            .numbers("vlaue")
-            .unwrap_err();
+        let error = table("subject,value\n1,2\n").unwrap().numbers("vlaue").unwrap_err();
         assert_eq!(error.suggestion().unwrap(), "did you mean `value`?");
     }
 

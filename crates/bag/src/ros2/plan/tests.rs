@@ -18,10 +18,7 @@ const NESTED: &str = "string name\nuint8 a\nfloat64[3] skipped\nP[] rows\nint32 
 
 #[test]
 fn wanted_numbers_are_taken_and_the_rest_is_passed_over() {
-    let plan = compiled(
-        NESTED,
-        &["a", "rows[].id", "rows[].size[1]", "rows[].colour?"],
-    );
+    let plan = compiled(NESTED, &["a", "rows[].id", "rows[].size[1]", "rows[].colour?"]);
     let mut writer = Writer::new();
     writer.string("hello");
     writer.u8(9);
@@ -42,10 +39,8 @@ fn wanted_numbers_are_taken_and_the_rest_is_passed_over() {
 
 #[test]
 fn numbers_after_strings_of_any_length_are_aligned() {
-    let plan = compiled(
-        "string s\nuint8 a\nuint16 b\nfloat64 c\nuint8 d\nint64 e",
-        &["b", "c", "e"],
-    );
+    let plan =
+        compiled("string s\nuint8 a\nuint16 b\nfloat64 c\nuint8 d\nint64 e", &["b", "c", "e"]);
     for length in 0..12 {
         let mut writer = Writer::new();
         writer.string(&"x".repeat(length));
@@ -149,8 +144,7 @@ fn numbers_of_the_first_element_of_a_sequence_are_taken() {
     let mut row = Vec::new();
     assert_eq!(plan.run(writer.bytes(), &mut row, &mut |_| {}), Ok(0));
     assert_eq!(row, [5.0, 1.0]);
-    plan.run(&[0, 1, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0], &mut row, &mut |_| {})
-        .unwrap();
+    plan.run(&[0, 1, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0], &mut row, &mut |_| {}).unwrap();
     assert!(row[0].is_nan());
 }
 
@@ -236,15 +230,7 @@ fn elements_of_arrays_and_sequences_are_taken_by_their_place() {
     let text = "uint8 a\nfloat64[3] fixed\nint16[] some\nstring[2] names\nP[2] pairs\nstring who\nuint8 z\n\
         ================================================================================\n\
         MSG: p/P\nuint8 id\nint32 v";
-    let wanted = [
-        "fixed[2]",
-        "fixed[0]",
-        "some[1]?",
-        "pairs[0].v",
-        "who#",
-        "z",
-        "some[7]?",
-    ];
+    let wanted = ["fixed[2]", "fixed[0]", "some[1]?", "pairs[0].v", "who#", "z", "some[7]?"];
     let plan = compiled(text, &wanted);
     let mut writer = Writer::new();
     writer.u8(1);
@@ -294,13 +280,11 @@ fn a_message_gives_so_many_rows_and_no_more_and_elements_of_no_bytes_none() {
     let definitions = parse("p/M", text, Dialect::Ros1).unwrap();
     let plan = Plan::compile(&definitions, &["z"], Dialect::Ros1).unwrap();
     let mut row = Vec::new();
-    plan.run(&[255, 255, 255, 255, 6], &mut row, &mut |_| {})
-        .unwrap();
+    plan.run(&[255, 255, 255, 255, 6], &mut row, &mut |_| {}).unwrap();
     assert_eq!(row, [6.0]);
     // In ROS 2 each has one.
     let plan = compiled(text, &["z"]);
-    plan.run(&[0, 1, 0, 0, 2, 0, 0, 0, 0, 0, 6], &mut row, &mut |_| {})
-        .unwrap();
+    plan.run(&[0, 1, 0, 0, 2, 0, 0, 0, 0, 0, 6], &mut row, &mut |_| {}).unwrap();
     assert_eq!(row, [6.0]);
 }
 
@@ -341,16 +325,8 @@ fn the_width_that_fits_whole_is_taken_before_one_that_fits_at_all() {
     // With four bytes a character the message ends just as early as with two and eight bytes left over.
     let plan = compiled("wstring w\nuint8 x", &[]);
     let message = |bytes: usize| [&[0, 1, 0, 0, 4, 0, 0, 0][..], &vec![1; bytes]].concat();
-    assert_eq!(
-        rows(&plan, &message(17)).map(|r| r.1),
-        Ok(0),
-        "four times four"
-    );
-    assert_eq!(
-        rows(&plan, &message(9)).map(|r| r.1),
-        Ok(0),
-        "four times two"
-    );
+    assert_eq!(rows(&plan, &message(17)).map(|r| r.1), Ok(0), "four times four");
+    assert_eq!(rows(&plan, &message(9)).map(|r| r.1), Ok(0), "four times two");
     // Neither is whole: the first that fits.
     assert_eq!(rows(&plan, &message(40)).map(|r| r.1), Ok(23));
     assert_eq!(rows(&plan, &message(8)).map(|r| r.1), Err(CdrError::End));

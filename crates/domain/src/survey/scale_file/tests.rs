@@ -75,11 +75,7 @@ fn each_contradiction_of_a_scale_is_named() {
         ("items = [1, 2]", "items = []", "`own` has no items"),
         ("items = [1, 2]", "items = [1, 5]", "names item 5 of 4"),
         ("reversed = [1]", "reversed = [9]", "names item 9 of 4"),
-        (
-            "reversed = [1]",
-            "reversed = [3]",
-            "reverses item 3, which it does not have",
-        ),
+        ("reversed = [1]", "reversed = [3]", "reverses item 3, which it does not have"),
         ("id = 'other'", "id = 'own'", "`own` is defined twice"),
         ("id = 'other'", "id = 'Oth er'", "lower-case letters"),
         (
@@ -90,11 +86,7 @@ fn each_contradiction_of_a_scale_is_named() {
         ("scoring = 'sum'\n", "", "expected scoring = "),
         ("scoring = 'sum'", "scorring = 'sum'", "scorring"),
         ("title = 'Own'", "title = 'Own'\nweight = 0", "weight is 0"),
-        (
-            "title = 'Own'",
-            "title = 'Own'\nsum_of = ['other']",
-            "no `items` of its own",
-        ),
+        ("title = 'Own'", "title = 'Own'\nsum_of = ['other']", "no `items` of its own"),
         ("items = [1, 2]", "items = [2, 1, 2]", "item 2 twice"),
         ("same = 14.0", "same = 14.5", "expected 2 to 14"),
         ("same = 14.0", "same = 1.5", "expected 2 to 14"),
@@ -111,11 +103,7 @@ fn each_contradiction_of_a_scale_is_named() {
         ("of = ['own'", twice, "given twice"),
         ("r = 0.4", "r = 1.0", "is 1, expected between -1 and 1"),
         ("r = 0.4", "r = -1.0", "is -1, expected between"),
-        (
-            "0.4\nsource = 'chosen'",
-            "0.4\nsource = ''",
-            "source is empty",
-        ),
+        ("0.4\nsource = 'chosen'", "0.4\nsource = ''", "source is empty"),
     ] {
         let error = said(from, to).unwrap_err();
         assert!(error.contains(word), "{to}: {error}");
@@ -142,10 +130,7 @@ fn short_forms_and_tables_of_items_are_one_list() {
     );
     assert_eq!(short.unwrap(), long.unwrap());
     let pairs = parsed(PAIRS, "").unwrap();
-    assert_eq!(
-        pairs.wording.items[1].pair,
-        Some(["bad".to_owned(), "good".to_owned()])
-    );
+    assert_eq!(pairs.wording.items[1].pair, Some(["bad".to_owned(), "good".to_owned()]));
     assert!(pairs.items[0].reversed && !pairs.items[1].reversed && pairs.wording.worded() == 2);
 }
 
@@ -159,17 +144,7 @@ fn each_kind_has_its_answers() {
                   [[item]]\ntext = 'f'\nmin = 1\nmax = 7\nexpected = 2\n";
     let scale = parsed("", tables).unwrap();
     let ranges: Vec<String> = scale.items.iter().map(Item::range).collect();
-    assert_eq!(
-        ranges,
-        [
-            "0 to 100 by 5",
-            "0 to 2",
-            "1 to 2",
-            "18 to 99",
-            "words",
-            "1 to 7"
-        ]
-    );
+    assert_eq!(ranges, ["0 to 100 by 5", "0 to 2", "1 to 2", "18 to 99", "words", "1 to 7"]);
     let takes = |item: u32, answer| scale.item(item).unwrap().takes(answer);
     assert!(takes(1, 95) && !takes(1, 96) && !takes(1, 105) && takes(2, 0) && !takes(2, 3));
     assert!(!takes(5, 0), "words are no number");
@@ -177,19 +152,10 @@ fn each_kind_has_its_answers() {
     assert!(scale.item(6).unwrap().is_missed(3) && !scale.item(6).unwrap().is_missed(2));
     assert!(scale.items[2].optional && !scale.items[0].optional);
     assert_eq!(scale.answer_in_words(3, "no"), Some(2));
-    assert_eq!(
-        (
-            scale.answer_in_words(1, "low"),
-            scale.answer_in_words(3, "maybe")
-        ),
-        (None, None)
-    );
+    assert_eq!((scale.answer_in_words(1, "low"), scale.answer_in_words(3, "maybe")), (None, None));
     assert!(scale.item(0).is_none() && scale.item(7).is_none());
     let unworded = parsed("kind = 'ladder'\nitems = 1\nmin = 0\nmax = 10", "").unwrap();
-    assert_eq!(
-        (unworded.wording.worded(), unworded.items[0].points()),
-        (0, 11)
-    );
+    assert_eq!((unworded.wording.worded(), unworded.items[0].points()), (0, 11));
 }
 
 #[test]
@@ -202,22 +168,14 @@ fn a_scale_speaks_the_languages_that_it_has_whole() {
     assert_eq!(instruction("de-at").unwrap(), "Es ist");
     assert_eq!((instruction("nl"), instruction("d")), (None, None));
     for (from, to, word) in [
-        (
-            ", ['schlecht', 'gut']",
-            "",
-            "[translation.de]: pairs has 1 texts for 2 items",
-        ),
+        (", ['schlecht', 'gut']", "", "[translation.de]: pairs has 1 texts for 2 items"),
         (
             "pairs = [['nützlich', 'nutzlos'], ['schlecht', 'gut']]\n",
             "",
             "lacks the words of item 1",
         ),
         ("instruction = 'Es ist'\n", "", "lacks instruction"),
-        (
-            "[translation.de]",
-            "[translation.en]",
-            "language of the file itself",
-        ),
+        ("[translation.de]", "[translation.en]", "language of the file itself"),
         ("'nutzlos'", "''", "item 1: pair"),
         ("instruction", "Instruction", "unknown field"),
     ] {
@@ -227,10 +185,7 @@ fn a_scale_speaks_the_languages_that_it_has_whole() {
     }
     let anchors = "min = 1\nmax = 3\nwording = ['a']\nanchors = ['no', 'yes']";
     let error = parsed(anchors, "[translation.de]\nitems = ['a']").unwrap_err();
-    assert!(
-        error.contains("item 1 has words for 0 answers, expected 2"),
-        "{error}"
-    );
+    assert!(error.contains("item 1 has words for 0 answers, expected 2"), "{error}");
 }
 
 #[test]
@@ -240,19 +195,11 @@ fn a_sum_of_scores_counts_what_they_share_twice_and_has_a_weight() {
                  [[subscales]]\nid = 'b'\ntitle = 'B'\nitems = [2, 3]\n\
                  [[subscales]]\nid = 'total'\ntitle = 'T'\nsum_of = ['a', 'b']\nweight = 2\n";
     let scale = parsed(top, parts).unwrap();
-    let ranges: Vec<(f64, f64)> = scale
-        .subscales
-        .iter()
-        .map(|s| scale.score_range(s))
-        .collect();
+    let ranges: Vec<(f64, f64)> = scale.subscales.iter().map(|s| scale.score_range(s)).collect();
     assert_eq!(ranges, [(0.0, 15.0), (0.0, 6.0), (0.0, 24.0)]);
     assert_eq!(scale.items_of(&scale.subscales[2]), [1, 2, 3]);
     for (from, to, word) in [
-        (
-            "['a', 'b']",
-            "['a', 'c']",
-            "names `c`, which is no subscale",
-        ),
+        ("['a', 'b']", "['a', 'c']", "names `c`, which is no subscale"),
         ("['a', 'b']", "['a', 'total']", "a sum itself"),
         ("weight = 2.5", "weight = -1", "weight is -1"),
     ] {
@@ -273,16 +220,8 @@ fn what_a_file_says_twice_or_halfway_is_named_by_item_and_key() {
     for (top, tables, word) in [
         ("", String::new(), "has no items"),
         ("min = 1", item(""), "item 1: a `likert` needs min and max"),
-        (
-            "min = 3\nmax = 3",
-            item(""),
-            "item 1: min 3 is not below max 3",
-        ),
-        (
-            "min = 1\nmax = 7",
-            item("kind = 'choice'"),
-            "a `choice` with 0 `levels`",
-        ),
+        ("min = 3\nmax = 3", item(""), "item 1: min 3 is not below max 3"),
+        ("min = 1\nmax = 7", item("kind = 'choice'"), "a `choice` with 0 `levels`"),
         (
             "reversed = [1]",
             item("kind = 'number'\nmin = 1\nmax = 7"),
@@ -293,26 +232,10 @@ fn what_a_file_says_twice_or_halfway_is_named_by_item_and_key() {
             String::new(),
             "pair [\"useful\"], expected two words",
         ),
-        (
-            "min = 1\nmax = 5\npairs = [['a', 'b']]",
-            String::new(),
-            "a `likert` has no pair",
-        ),
-        (
-            "min = 1\nmax = 5\nwording = ['b']",
-            item(""),
-            "has two texts",
-        ),
-        (
-            "min = 1\nmax = 5\nitems = 2",
-            item(""),
-            "has 1 tables [[item]] for 2 items",
-        ),
-        (
-            "min = 1\nmax = 5",
-            item("") + "[[item]]\n",
-            "item 2 has no text, and 1 of 2 have one",
-        ),
+        ("min = 1\nmax = 5\npairs = [['a', 'b']]", String::new(), "a `likert` has no pair"),
+        ("min = 1\nmax = 5\nwording = ['b']", item(""), "has two texts"),
+        ("min = 1\nmax = 5\nitems = 2", item(""), "has 1 tables [[item]] for 2 items"),
+        ("min = 1\nmax = 5", item("") + "[[item]]\n", "item 2 has no text, and 1 of 2 have one"),
         ("min = 1\nmax = 5", item("colour = 3"), "colour"),
         ("kind = 'likely'", item(""), "likely"),
     ] {
@@ -326,40 +249,19 @@ fn an_item_has_the_keys_of_its_kind() {
     for (line, word) in [
         ("min = 0\nmax = 2000000000", "expected within"),
         ("kind = 'choice'", "a `choice` with 0 `levels`"),
-        (
-            "kind = 'ladder'\nlevels = ['a', 'b']\nmax = 5",
-            "2 levels from 1 end at 2, and max is 5",
-        ),
-        (
-            "kind = 'slider'\nmin = 0\nmax = 10\nstep = 3",
-            "step 3, expected one of a slider",
-        ),
-        (
-            "min = 0\nmax = 10\nstep = 2",
-            "step 2, expected one of a slider",
-        ),
+        ("kind = 'ladder'\nlevels = ['a', 'b']\nmax = 5", "2 levels from 1 end at 2, and max is 5"),
+        ("kind = 'slider'\nmin = 0\nmax = 10\nstep = 3", "step 3, expected one of a slider"),
+        ("min = 0\nmax = 10\nstep = 2", "step 2, expected one of a slider"),
         ("kind = 'text'\nmax = 3", "neither min, max nor step"),
-        (
-            "min = 1\nmax = 7\nanchors = ['a', 'b', 'c']",
-            "3 anchors, expected 2 (of the ends) or 7",
-        ),
-        (
-            "min = 1\nmax = 7\nlevels = ['a', 'b']",
-            "has no `levels`, expected `anchors`",
-        ),
+        ("min = 1\nmax = 7\nanchors = ['a', 'b', 'c']", "3 anchors, expected 2 (of the ends) or 7"),
+        ("min = 1\nmax = 7\nlevels = ['a', 'b']", "has no `levels`, expected `anchors`"),
         (
             "kind = 'choice'\nlevels = ['a', 'b']\nanchors = ['a', 'b']",
             "has no `anchors`, expected `levels`",
         ),
-        (
-            "min = 1\nmax = 7\nexpected = 8",
-            "expected is 8, which is no answer (1 to 7)",
-        ),
+        ("min = 1\nmax = 7\nexpected = 8", "expected is 8, which is no answer (1 to 7)"),
         ("kind = 'text'\nexpected = 0", "which is no answer (words)"),
-        (
-            "kind = 'number'\nmin = 1\nmax = 7\nreversed = true",
-            "a `number` cannot be reversed",
-        ),
+        ("kind = 'number'\nmin = 1\nmax = 7\nreversed = true", "a `number` cannot be reversed"),
     ] {
         let error = parsed("", &item(line)).unwrap_err();
         assert!(error.contains(word), "{line}: {error}");
@@ -372,10 +274,7 @@ fn a_score_has_items_of_one_range_that_are_not_there_for_attention() {
     let scored = "[[subscales]]\nid = 's'\ntitle = 'S'\nitems = [1, 2]\n";
     for (second, word) in [
         ("max = 7", "item 1 (1 to 5) and item 2 (1 to 7)"),
-        (
-            "expected = 2",
-            "scores item 2, which is there for attention",
-        ),
+        ("expected = 2", "scores item 2, which is there for attention"),
         ("kind = 'text'", "scores item 2, a `text`"),
     ] {
         let error = parsed(top, &(item("") + &item(second) + scored)).unwrap_err();

@@ -23,10 +23,7 @@ pub(super) fn place_by_ego(drive: &mut RawDrive) {
         let Some((x_m, y_m, (cos, sin))) = path.pose(now) else {
             return false;
         };
-        (o.x_m, o.y_m) = (
-            x_m + o.x_m * cos - o.y_m * sin,
-            y_m + o.x_m * sin + o.y_m * cos,
-        );
+        (o.x_m, o.y_m) = (x_m + o.x_m * cos - o.y_m * sin, y_m + o.x_m * sin + o.y_m * cos);
         o.speed_mps = f64::NAN;
         true
     });

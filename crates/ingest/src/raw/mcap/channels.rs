@@ -26,10 +26,7 @@ type Compiled = (Option<OwnedSchema>, String, Result<Arc<Decoder>, String>);
 
 impl<'a> Decoders<'a> {
     pub(crate) fn new(mapped: &'a [MessageMapping]) -> Self {
-        Self {
-            mapped,
-            compiled: Vec::new(),
-        }
+        Self { mapped, compiled: Vec::new() }
     }
 
     /// The decoder of a channel, or a sentence that says why it cannot be decoded.
@@ -68,11 +65,7 @@ pub(crate) struct Times {
 
 impl Times {
     pub(crate) fn new(channel: &Channel, schema: Option<&OwnedSchema>) -> Self {
-        Self {
-            log_ns: Vec::new(),
-            mark: 0,
-            whole: Codec::compile(channel, schema, &[]),
-        }
+        Self { log_ns: Vec::new(), mark: 0, whole: Codec::compile(channel, schema, &[]) }
     }
 
     pub(crate) fn take(&mut self, message: Message<'_>) {

@@ -54,11 +54,7 @@ pub(crate) fn choose(
         let topic = topic.to_ascii_lowercase();
         topic.contains("ego") || topic.contains("hero")
     };
-    let by_type = || {
-        of_ego
-            .into_iter()
-            .find_map(|role| chooser.best(role, &names_ego))
-    };
+    let by_type = || of_ego.into_iter().find_map(|role| chooser.best(role, &names_ego));
     let among_objects = || {
         let known = mapping.ego_object.is_some() || identity.is_some();
         let list = objects_named.or_else(|| chooser.best(Role::Objects, &|_| false));
@@ -67,10 +63,8 @@ pub(crate) fn choose(
     let by_object = given.is_some_and(|g| g.ego_object.is_some() && g.ego_topic.0.is_empty());
     let ego = if by_object { among_objects() } else { None };
     let ego = ego.or(by_name).or_else(by_type).or_else(among_objects);
-    let ego = ego.ok_or_else(|| IngestError::NoEgo {
-        path: path.to_owned(),
-        found: describe(candidates),
-    })?;
+    let ego = ego
+        .ok_or_else(|| IngestError::NoEgo { path: path.to_owned(), found: describe(candidates) })?;
     let beside_ego = |topic: &str| parent(topic) == parent(candidates[ego].topic);
     let objects = objects_named.or_else(|| chooser.best(Role::Objects, &beside_ego));
     let role = candidates[ego].role;
@@ -85,20 +79,9 @@ pub(crate) fn choose(
     let rivals: Vec<&str> = rivals.map(|i| candidates[i].topic).collect();
     let others = (!rivals.is_empty() && role != Ok(Some(Role::Objects))).then(|| {
         let chosen = candidates[ego].topic;
-        format!(
-            "ego is taken from `{chosen}`, not from {}",
-            rivals.join(", ")
-        )
+        format!("ego is taken from `{chosen}`, not from {}", rivals.join(", "))
     });
-    Ok(Choice {
-        ego,
-        objects,
-        speed,
-        identity,
-        others,
-        rig,
-        mapping,
-    })
+    Ok(Choice { ego, objects, speed, identity, others, rig, mapping })
 }
 
 struct Chooser<'a> {

@@ -128,11 +128,8 @@ pub(crate) fn decisions(trace: &[TraceRow]) -> Vec<(usize, DecisionKind)> {
         }
         if now.braked != braked {
             braked = now.braked;
-            let kind = if braked {
-                DecisionKind::SafetyBrakes
-            } else {
-                DecisionKind::SafetyReleases
-            };
+            let kind =
+                if braked { DecisionKind::SafetyBrakes } else { DecisionKind::SafetyReleases };
             out.push((row, kind));
         }
     }
@@ -146,11 +143,7 @@ fn change(row: &TraceRow) -> DecisionKind {
         LaneActivity::GoingBack => DecisionKind::ChangeGivenUp,
         LaneActivity::Changing => {
             let left = row.path_m.is_some_and(|path| path[3].1 > path[0].1);
-            DecisionKind::ChangeStarts(if left {
-                Direction::Left
-            } else {
-                Direction::Right
-            })
+            DecisionKind::ChangeStarts(if left { Direction::Left } else { Direction::Right })
         }
     }
 }
@@ -163,20 +156,13 @@ fn change(row: &TraceRow) -> DecisionKind {
 /// [`IngestError::Io`] if the file cannot be read; [`IngestError::BadMetadata`] naming a message that no automated car
 /// of ours writes.
 pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError> {
-    let how = Walk {
-        recover: true,
-        ..Walk::default()
-    };
+    let how = Walk { recover: true, ..Walk::default() };
     let read = read_streams(&[path.to_owned()], how, |channel, _| Texts {
         wanted: channel.topic == TOPIC,
         ..Texts::default()
     })?;
     // A quiet drive has the channel, and no message on it.
-    let mut of_topic = read
-        .streams
-        .into_iter()
-        .filter(|s| s.taken.wanted)
-        .peekable();
+    let mut of_topic = read.streams.into_iter().filter(|s| s.taken.wanted).peekable();
     if of_topic.peek().is_none() {
         return Ok(None);
     }
@@ -191,10 +177,7 @@ pub fn read_decisions(path: &Path) -> Result<Option<Vec<Decision>>, IngestError>
             found: text,
             expected: "a decision of the automated car",
         })?;
-        decisions.push(Decision {
-            time_s: time_ns as f64 / 1e9,
-            kind,
-        });
+        decisions.push(Decision { time_s: time_ns as f64 / 1e9, kind });
     }
     Ok(Some(decisions))
 }

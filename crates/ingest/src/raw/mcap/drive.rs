@@ -28,9 +28,8 @@ pub(super) fn drive_of(
 ) -> RawDrive {
     let topic = |i: usize| streams[i].channel.topic.as_str();
     // `/carla/objects` holds ego too, `/carla/<role>/objects` does not.
-    let ego_among_objects = choice
-        .objects
-        .is_some_and(|i| parent(topic(i)) != parent(topic(choice.ego)));
+    let ego_among_objects =
+        choice.objects.is_some_and(|i| parent(topic(i)) != parent(topic(choice.ego)));
     let told_from_objects = streams[choice.ego].taken.role() == Some(Role::Objects);
     let frames = streams[choice.ego].taken.frames;
     let is_fix = streams[choice.ego].taken.role() == Some(Role::Fix);
@@ -66,10 +65,7 @@ pub(super) fn drive_of(
         let its = || others.objects.iter().filter(|o| o.id == id);
         ego_length_m = ego_length_m.or_else(|| its().find_map(|o| o.known_length_m()));
         if told_from_objects {
-            let row = |o: ObjectSample| EgoRow {
-                sample: o.as_ego(),
-                twist: None,
-            };
+            let row = |o: ObjectSample| EgoRow { sample: o.as_ego(), twist: None };
             ego = its().map(row).collect();
             let what = format!("ego is object {id} of the others' channel");
             warn(WarningKind::Choice, ego.len(), &what);
@@ -118,10 +114,7 @@ fn seen(record: Option<&DriveRecord>, lists_others: bool) -> Sees {
     match record {
         Some(record) => record.sees,
         None if lists_others => Sees::ALL,
-        None => Sees {
-            lanes: true,
-            ..Sees::NOTHING
-        },
+        None => Sees { lanes: true, ..Sees::NOTHING },
     }
 }
 
@@ -149,11 +142,7 @@ impl Others {
             let what = "samples of others in another frame than the first of them are left out";
             warn(kind, stream.other_frames, what);
         }
-        let mut others = Self {
-            objects: stream.objects,
-            sightings: stream.sightings,
-            whose,
-        };
+        let mut others = Self { objects: stream.objects, sightings: stream.sightings, whose };
         let what = match whose {
             Whose::Fixed => return others,
             Whose::Another => {

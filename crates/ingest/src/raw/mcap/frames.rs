@@ -7,15 +7,8 @@ use std::sync::LazyLock;
 /// Frames that stand still, the better first: `odom` drifts.
 const FIXED: [&str; 4] = ["map", "world", "earth", "odom"];
 /// Frames that are ego, the better first.
-const EGO: [&str; 7] = [
-    "base_link",
-    "base_footprint",
-    "ego_vehicle",
-    "hero",
-    "ego",
-    "vehicle",
-    "base",
-];
+const EGO: [&str; 7] =
+    ["base_link", "base_footprint", "ego_vehicle", "hero", "ego", "vehicle", "base"];
 
 static NUMBERS: LazyLock<(Vec<f64>, Vec<f64>)> = LazyLock::new(|| {
     let numbers = |names: &[&str]| names.iter().map(|n| name_number(n.as_bytes())).collect();
@@ -47,24 +40,17 @@ impl FrameNames {
     /// Of a row of ego.
     pub(crate) fn of_ego(row: &[f64]) -> Self {
         let names = row.get(EGO_SLOTS.len()..).unwrap_or_default();
-        Self {
-            of_positions: Self::named(names.first()),
-            own: Self::named(names.get(1)),
-        }
+        Self { of_positions: Self::named(names.first()), own: Self::named(names.get(1)) }
     }
 
     /// Of a row of an object.
     pub(crate) fn of_object(row: &[f64]) -> Self {
-        Self {
-            of_positions: Self::named(row.get(OBJECT_SLOTS.len())),
-            own: None,
-        }
+        Self { of_positions: Self::named(row.get(OBJECT_SLOTS.len())), own: None }
     }
 
     /// An empty name says nothing.
     fn named(name: Option<&f64>) -> Option<f64> {
-        name.copied()
-            .filter(|n| !n.is_nan() && n.to_bits() != name_number(b"").to_bits())
+        name.copied().filter(|n| !n.is_nan() && n.to_bits() != name_number(b"").to_bits())
     }
 
     /// Whether these are the frames of positions so far; the first that are named are.
@@ -103,10 +89,7 @@ impl Frames {
         let [parent, child] = *row.get(EGO_SLOTS.len()..)?.first_chunk()?;
         let place =
             |names: &[f64], name: f64| names.iter().position(|n| n.to_bits() == name.to_bits());
-        Some(Self {
-            fixed: place(&NUMBERS.0, parent)?,
-            ego: place(&NUMBERS.1, child)?,
-        })
+        Some(Self { fixed: place(&NUMBERS.0, parent)?, ego: place(&NUMBERS.1, child)? })
     }
 
     /// Their names: the frame that stands still, and ego's.

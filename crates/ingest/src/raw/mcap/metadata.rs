@@ -92,9 +92,7 @@ pub(crate) fn values(
     let length = [("ego_length_m", recording.ego().length_m.to_string())];
     let note = note.map(|note| (NOTE, note.to_owned()));
     let entries = entries.into_iter().chain(length).chain(note);
-    entries
-        .map(|(key, value)| (key.to_owned(), value))
-        .collect()
+    entries.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// Reads the record's values.
@@ -139,10 +137,7 @@ impl MetaValues<'_> {
                 Ok(first())
             }
         });
-        Ok(meta.on(Occasion {
-            session: session?,
-            trial: trial?,
-        }))
+        Ok(meta.on(Occasion { session: session?, trial: trial? }))
     }
 
     /// On which road.
@@ -190,9 +185,7 @@ impl MetaValues<'_> {
         key: &'static str,
         read: impl Fn(String) -> Result<T, DomainError>,
     ) -> Result<T, IngestError> {
-        self.word(key, "1 to 64 letters, digits, `_` or `-`", |text| {
-            read(text.to_owned())
-        })
+        self.word(key, "1 to 64 letters, digits, `_` or `-`", |text| read(text.to_owned()))
     }
 
     pub(crate) fn positive(&self, key: &'static str) -> Result<f64, IngestError> {

@@ -85,14 +85,12 @@ fn chosen(path: &Path, parts: &[PathBuf], mapping: Option<&McapMapping>) -> Opti
             stream.1 += count;
         }
     }
-    let candidates = streams
-        .iter()
-        .map(|((topic, type_name), (role, count))| Candidate {
-            topic,
-            type_name,
-            messages: *count as usize,
-            role: role.as_ref().copied().map_err(String::as_str),
-        });
+    let candidates = streams.iter().map(|((topic, type_name), (role, count))| Candidate {
+        topic,
+        type_name,
+        messages: *count as usize,
+        role: role.as_ref().copied().map_err(String::as_str),
+    });
     let candidates: Vec<Candidate<'_>> = candidates.collect();
     let choice = choose(path, mapping, &candidates).ok()?;
     Some(topics_of(&choice, &candidates))
@@ -100,12 +98,7 @@ fn chosen(path: &Path, parts: &[PathBuf], mapping: Option<&McapMapping>) -> Opti
 
 /// The topics of a choice.
 fn topics_of(choice: &Choice, candidates: &[Candidate<'_>]) -> Chosen {
-    let places = [
-        Some(choice.ego),
-        choice.objects,
-        choice.speed,
-        choice.identity,
-    ];
+    let places = [Some(choice.ego), choice.objects, choice.speed, choice.identity];
     let picked = places.into_iter().flatten().map(|i| &candidates[i]);
     picked.map(|f| (f.topic.to_owned(), f.messages)).collect()
 }
@@ -121,10 +114,7 @@ fn collect_from(
     let lengths = parts.iter().filter_map(|p| Some(p.metadata().ok()?.len()));
     let most = lengths.sum::<u64>() / LEAST_SAMPLE;
     let announced = |topic: &str| only.and_then(|only| only.get(topic)).copied();
-    let how = Walk {
-        recover,
-        hash: true,
-    };
+    let how = Walk { recover, hash: true };
     let mut decoders = Decoders::new(mapping.map_or(&[][..], |m| &m.messages));
     let streams = read_streams(parts, how, |channel, schema| Samples {
         decoder: decoders.for_channel(channel, schema),

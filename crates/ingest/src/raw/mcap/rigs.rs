@@ -21,11 +21,8 @@ pub(crate) fn applied(
     candidates: &[Candidate<'_>],
 ) -> (McapMapping, Option<&'static str>) {
     let types: Vec<String> = candidates.iter().map(|f| plain_name(f.type_name)).collect();
-    let channels: Vec<(&str, &str)> = candidates
-        .iter()
-        .zip(&types)
-        .map(|(f, t)| (f.topic, t.as_str()))
-        .collect();
+    let channels: Vec<(&str, &str)> =
+        candidates.iter().zip(&types).map(|(f, t)| (f.topic, t.as_str())).collect();
     let named = given.and_then(|m| m.rig.as_deref());
     let is_it = |(name, rig): &&(&'static str, McapMapping)| match named {
         Some(named) => *name == named,
@@ -37,11 +34,7 @@ pub(crate) fn applied(
         return (given, None);
     };
     let topics = |given: Topics, rig: &Topics| {
-        if given.0.is_empty() {
-            rig.clone()
-        } else {
-            given
-        }
+        if given.0.is_empty() { rig.clone() } else { given }
     };
     let mapping = McapMapping {
         rig: given.rig,
@@ -62,12 +55,7 @@ mod tests {
     use super::*;
 
     fn channel(topic: &'static str, type_name: &'static str) -> Candidate<'static> {
-        Candidate {
-            topic,
-            type_name,
-            messages: 1,
-            role: Ok(None),
-        }
+        Candidate { topic, type_name, messages: 1, role: Ok(None) }
     }
 
     #[test]
@@ -77,20 +65,11 @@ mod tests {
         let odometry = "nav_msgs/msg/Odometry";
         let own = [
             channel("/carla/ego_vehicle/odometry", odometry),
-            channel(
-                "/carla/ego_vehicle/objects",
-                "derived_object_msgs/msg/ObjectArray",
-            ),
+            channel("/carla/ego_vehicle/objects", "derived_object_msgs/msg/ObjectArray"),
         ];
         assert_eq!(rig(&own), Some("maveric"));
-        assert_eq!(
-            rig(&[channel("/carla/hero/odometry", odometry)]),
-            Some("carla-ros-bridge")
-        );
-        let autoware = [channel(
-            "/a",
-            "autoware_auto_vehicle_msgs/msg/VelocityReport",
-        )];
+        assert_eq!(rig(&[channel("/carla/hero/odometry", odometry)]), Some("carla-ros-bridge"));
+        let autoware = [channel("/a", "autoware_auto_vehicle_msgs/msg/VelocityReport")];
         assert_eq!(rig(&autoware), Some("autoware"));
         assert_eq!(rig(&[channel("/odom", odometry)]), Some("generic-ros2"));
         assert_eq!(rig(&[channel("/x", "foxglove.Log")]), None);
@@ -103,9 +82,6 @@ mod tests {
         let (mapping, name) = applied(Some(&given), &own);
         assert_eq!(name, Some("autoware"));
         assert_eq!(mapping.ego_topic.0, ["/mine"]);
-        assert_eq!(
-            mapping.objects_twist,
-            Some(crate::mapping::TwistFrame::Object)
-        );
+        assert_eq!(mapping.objects_twist, Some(crate::mapping::TwistFrame::Object));
     }
 }

@@ -32,10 +32,7 @@ const FRAME: &str = "header.frame_id#?";
 const OWN_FRAME: &str = "child_frame_id#?";
 const TIMESTAMP: [(&str, &str); 2] = [
     ("sec", "timestamp.sec|timestamp.seconds"),
-    (
-        "nanosec",
-        "timestamp.nsec|timestamp.nanosec|timestamp.nanos",
-    ),
+    ("nanosec", "timestamp.nsec|timestamp.nanosec|timestamp.nanos"),
 ];
 
 impl Reading {
@@ -82,11 +79,7 @@ impl Reading {
     }
 
     fn new(role: Role, paths: Vec<String>, convention: Convention) -> Self {
-        Self {
-            role,
-            paths,
-            convention,
-        }
+        Self { role, paths, convention }
     }
 
     fn mapped(mapped: &MessageMapping) -> Self {
@@ -180,10 +173,7 @@ fn place(slots: &[&str], stamp: &[(&str, &str)], pose: &str, twist: &str) -> Vec
         set("x", joined(pose, "position.x"));
         set("y", joined(pose, "position.y"));
         for axis in ["x", "y", "z", "w"] {
-            set(
-                &format!("q{axis}"),
-                joined(pose, &format!("orientation.{axis}")),
-            );
+            set(&format!("q{axis}"), joined(pose, &format!("orientation.{axis}")));
         }
     }
     if !twist.is_empty() {

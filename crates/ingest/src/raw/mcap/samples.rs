@@ -66,10 +66,7 @@ impl Take for Samples {
         let Some(reading) = &decoder.reading else {
             return;
         };
-        let receipt = Receipt {
-            log_ns: i64::try_from(message.log_ns).unwrap_or(i64::MAX),
-            nth,
-        };
+        let receipt = Receipt { log_ns: i64::try_from(message.log_ns).unwrap_or(i64::MAX), nth };
         let before = self.objects.len();
         let (objects, making, twist) = (&mut self.objects, &mut self.making, self.twist);
         let before_ego = self.ego.len();
@@ -116,11 +113,7 @@ impl Take for Samples {
             Role::Objects => {
                 let first = self.objects.stamp_ns.get(before).copied();
                 let stamp_ns = first.unwrap_or_else(|| stamp_ns(row));
-                self.sightings.push(Sighting {
-                    stamp_ns,
-                    log_ns: receipt.log_ns,
-                    nth,
-                });
+                self.sightings.push(Sighting { stamp_ns, log_ns: receipt.log_ns, nth });
             }
             Role::Identity => self.identity = row.first().map(|&id| id as u32),
             Role::Odometry | Role::Pose | Role::Fix | Role::Speed => {
@@ -166,11 +159,7 @@ pub(crate) fn candidate(stream: &Stream<Samples>) -> Candidate<'_> {
         topic: &stream.channel.topic,
         type_name: stream.schema.as_ref().map_or("", |s| s.name.as_str()),
         // Most transforms are of no use: those of joints and sensors.
-        messages: if role == Some(Role::Frames) {
-            samples.ego.len()
-        } else {
-            samples.messages
-        },
+        messages: if role == Some(Role::Frames) { samples.ego.len() } else { samples.messages },
         role: match &samples.decoder {
             Ok(_) => Ok(role),
             Err(why) => Err(why),

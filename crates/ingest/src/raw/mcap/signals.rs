@@ -17,9 +17,7 @@ pub(crate) fn stamp_ns(row: &[f64]) -> i64 {
     let whole = sec as i64;
     if sec - whole as f64 == 0.0 {
         // Almost every stamp: nothing behind the point.
-        return whole
-            .saturating_mul(1_000_000_000)
-            .saturating_add(nanosec as i64);
+        return whole.saturating_mul(1_000_000_000).saturating_add(nanosec as i64);
     }
     (sec.trunc() as i64)
         .saturating_mul(1_000_000_000)
@@ -145,15 +143,10 @@ impl Objects {
                 usual
             } else {
                 let key = u128::from(id.to_bits());
-                *self
-                    .numbers
-                    .entry(key)
-                    .or_insert(next.saturating_add(GIVEN_FROM))
+                *self.numbers.entry(key).or_insert(next.saturating_add(GIVEN_FROM))
             }
         } else {
-            let key = uuid
-                .iter()
-                .fold(0, |key, &byte| key << 8 | u128::from(byte as u8));
+            let key = uuid.iter().fold(0, |key, &byte| key << 8 | u128::from(byte as u8));
             *self.numbers.entry(key).or_insert(next)
         };
         let (vx, vy) = (Slot::Vx.at(row), Slot::Vy.at(row));
@@ -175,12 +168,8 @@ impl Objects {
             id,
             x_m: Slot::X.at(row),
             y_m: Slot::Y.at(row),
-            speed_mps: Slot::Speed
-                .known(row)
-                .unwrap_or(libm::hypot(vx, vy).copysign(forward)),
-            length_m: length_m
-                .filter(|l| l.is_finite() && *l > 0.0)
-                .unwrap_or(f64::NAN),
+            speed_mps: Slot::Speed.known(row).unwrap_or(libm::hypot(vx, vy).copysign(forward)),
+            length_m: length_m.filter(|l| l.is_finite() && *l > 0.0).unwrap_or(f64::NAN),
         })
     }
 }
@@ -198,11 +187,8 @@ pub(crate) fn settle_speeds(rows: &mut [EgoRow]) -> Option<&'static str> {
     let moved = |a: &EgoRow, b: &EgoRow| (b.sample.x_m - a.sample.x_m, b.sample.y_m - a.sample.y_m);
     let still = |r: &EgoRow| r.sample.speed_mps.is_some_and(|v| v == 0.0);
     if rows.iter().all(still) {
-        let way: f64 = rows
-            .windows(2)
-            .map(|w| moved(&w[0], &w[1]))
-            .map(|(x, y)| libm::hypot(x, y))
-            .sum();
+        let way: f64 =
+            rows.windows(2).map(|w| moved(&w[0], &w[1])).map(|(x, y)| libm::hypot(x, y)).sum();
         if way > 10.0 {
             for r in rows.iter_mut() {
                 r.sample.speed_mps = None;
@@ -268,11 +254,7 @@ pub(crate) fn flatten(ego: &mut EgoSamples) {
     for (x, y) in ego.x_m.iter_mut().zip(&mut ego.y_m) {
         let there = on_earth(*x, *y);
         let across = (*x - first.x_m + 540.0).rem_euclid(360.0) - 180.0;
-        *x = if there {
-            across.to_radians() * east
-        } else {
-            f64::NAN
-        };
+        *x = if there { across.to_radians() * east } else { f64::NAN };
         *y = (*y - first.y_m).to_radians() * north;
     }
 }
@@ -312,29 +294,21 @@ mod tests {
     fn a_twist_in_the_frame_of_the_map_is_told_from_the_way_ego_moves() {
         let west = std::f64::consts::PI;
         let drive = |twist| -> Vec<EgoRow> {
-            (0..100)
-                .map(|i| row(i, -(i as f64), 0.0, west, twist))
-                .collect()
+            (0..100).map(|i| row(i, -(i as f64), 0.0, west, twist)).collect()
         };
         let mut own = drive((10.0, 0.0));
         assert_eq!(settle_speeds(&mut own), None);
         assert_eq!(own[5].sample.speed_mps, Some(10.0));
         let mut map = drive((-10.0, 0.0));
-        assert!(
-            settle_speeds(&mut map)
-                .unwrap()
-                .contains("frame of the map")
-        );
+        assert!(settle_speeds(&mut map).unwrap().contains("frame of the map"));
         assert_eq!(map[5].sample.speed_mps, Some(10.0));
         // Backwards in its own frame: it moves against its heading.
-        let mut back: Vec<EgoRow> = (0..100)
-            .map(|i| row(i, i as f64, 0.0, west, (-10.0, 0.0)))
-            .collect();
+        let mut back: Vec<EgoRow> =
+            (0..100).map(|i| row(i, i as f64, 0.0, west, (-10.0, 0.0))).collect();
         assert_eq!(settle_speeds(&mut back), None);
         assert_eq!(back[5].sample.speed_mps, Some(-10.0));
-        let mut zero: Vec<EgoRow> = (0..100)
-            .map(|i| row(i, i as f64, 0.0, 0.0, (0.0, 0.0)))
-            .collect();
+        let mut zero: Vec<EgoRow> =
+            (0..100).map(|i| row(i, i as f64, 0.0, 0.0, (0.0, 0.0))).collect();
         assert!(settle_speeds(&mut zero).unwrap().contains("all 0"));
         assert_eq!(zero[5].sample.speed_mps, None);
     }

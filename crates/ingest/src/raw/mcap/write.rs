@@ -15,14 +15,9 @@ pub(crate) const EGO_TOPIC: &str = "/carla/ego_vehicle/odometry";
 pub(crate) const OBJECTS_TOPIC: &str = "/carla/ego_vehicle/objects";
 
 /// Type name and full `ros2msg` text of ego's odometry, and of the list of the others.
-const ODOMETRY: (&str, &str) = (
-    "nav_msgs/msg/Odometry",
-    include_str!("schemas/odometry.txt"),
-);
-const OBJECT_ARRAY: (&str, &str) = (
-    "derived_object_msgs/msg/ObjectArray",
-    include_str!("schemas/object_array.txt"),
-);
+const ODOMETRY: (&str, &str) = ("nav_msgs/msg/Odometry", include_str!("schemas/odometry.txt"));
+const OBJECT_ARRAY: (&str, &str) =
+    ("derived_object_msgs/msg/ObjectArray", include_str!("schemas/object_array.txt"));
 
 /// The road's frame, and the one that moves with ego.
 const MAP: &str = "map";
@@ -75,14 +70,10 @@ pub fn write_mcap_with(
     mut out: impl Write,
 ) -> Result<(), IngestError> {
     let (found, rows) = (beside.trace.len(), recording.rows());
-    let refused = |reason: String| IngestError::WriteDrive {
-        drive: meta.drive.to_string(),
-        reason,
-    };
+    let refused =
+        |reason: String| IngestError::WriteDrive { drive: meta.drive.to_string(), reason };
     if found != 0 && found != rows {
-        return Err(refused(format!(
-            "its trace has {found} rows, its recording {rows}"
-        )));
+        return Err(refused(format!("its trace has {found} rows, its recording {rows}")));
     }
     write(recording, meta, beside, &mut out).map_err(|source| IngestError::Write { source })
 }
@@ -96,19 +87,14 @@ struct File<'a> {
 
 impl File<'_> {
     fn message(&mut self, channel_id: u16, bytes: &[u8]) -> Result<(), BagError> {
-        self.writer
-            .message(channel_id, self.row as u32, self.time_ns, bytes)
+        self.writer.message(channel_id, self.row as u32, self.time_ns, bytes)
     }
 }
 
 fn write(
     recording: &Recording,
     meta: &DriveMeta,
-    &Beside {
-        trace,
-        attached,
-        note,
-    }: &Beside<'_>,
+    &Beside { trace, attached, note }: &Beside<'_>,
     out: &mut dyn Write,
 ) -> Result<(), BagError> {
     let mut file = File {
@@ -116,8 +102,7 @@ fn write(
         row: 0,
         time_ns: 0,
     };
-    file.writer
-        .metadata(metadata::NAME, metadata::values(meta, recording, note))?;
+    file.writer.metadata(metadata::NAME, metadata::values(meta, recording, note))?;
     let mut channel = |topic: &str, (name, text): (&str, &str)| {
         file.writer.channel(topic, "cdr", (name, "ros2msg", text))
     };
@@ -140,8 +125,7 @@ fn write(
         decisions.row(&mut file, meta)?;
     }
     if let Some((name, content)) = attached {
-        file.writer
-            .attach(name, "application/octet-stream", content)?;
+        file.writer.attach(name, "application/octet-stream", content)?;
     }
     file.writer.finish()?;
     Ok(())
@@ -160,10 +144,7 @@ impl Decisions {
             let schema = (name, "jsonschema", text);
             file.writer.channel(decisions::TOPIC, "json", schema)
         });
-        Ok(Self {
-            channel: channel.transpose()?,
-            rest: decisions(trace).into_iter().peekable(),
-        })
+        Ok(Self { channel: channel.transpose()?, rest: decisions(trace).into_iter().peekable() })
     }
 
     fn row(&mut self, file: &mut File<'_>, meta: &DriveMeta) -> Result<(), BagError> {
@@ -185,11 +166,7 @@ fn headings(recording: &Recording) -> Vec<f64> {
     let heading = |row: usize| {
         let (a, b) = (row.saturating_sub(1), (row + 1).min(last));
         let (dx, dy) = (ego.x_m[b] - ego.x_m[a], ego.y_m[b] - ego.y_m[a]);
-        if ego.speed_mps[row].abs() < STILL_MPS {
-            0.0
-        } else {
-            libm::atan2(dy, dx)
-        }
+        if ego.speed_mps[row].abs() < STILL_MPS { 0.0 } else { libm::atan2(dy, dx) }
     };
     (0..=last).map(heading).collect()
 }
@@ -261,18 +238,10 @@ mod tests {
             Vec::new(),
         )
         .unwrap();
-        let expected = [
-            0.5_f64.atan2(3.0),
-            1.5_f64.atan2(4.0),
-            1.25_f64.atan2(1.5),
-            0.3_f64.atan2(0.6),
-            0.0,
-        ];
+        let expected =
+            [0.5_f64.atan2(3.0), 1.5_f64.atan2(4.0), 1.25_f64.atan2(1.5), 0.3_f64.atan2(0.6), 0.0];
         for (found, expected) in headings(&recording).iter().zip(expected) {
-            assert!(
-                (found - expected).abs() < 1e-9,
-                "{found} instead of {expected}"
-            );
+            assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
         }
     }
 }

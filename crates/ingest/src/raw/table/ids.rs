@@ -10,11 +10,7 @@ pub(super) fn numbers(names: &[String]) -> Vec<u32> {
         let number: u32 = name.parse().ok()?;
         (number < GIVEN_FROM && number.to_string() == *name).then_some(number)
     };
-    let from = if names.iter().any(|name| usual(name).is_some()) {
-        GIVEN_FROM
-    } else {
-        0
-    };
+    let from = if names.iter().any(|name| usual(name).is_some()) { GIVEN_FROM } else { 0 };
     let number = |(place, name): (u32, &String)| usual(name).unwrap_or(from + place);
     (0..GIVEN_FROM / 2).zip(names).map(number).collect()
 }

@@ -90,9 +90,7 @@ impl Lanes {
         places: impl IntoIterator<Item = f64>,
     ) -> Result<Vec<Warning>, IngestError> {
         let mut doubts = Vec::new();
-        let mut broken = numbers
-            .into_iter()
-            .filter(|n| (n - n.round()).abs() > ROUNDED);
+        let mut broken = numbers.into_iter().filter(|n| (n - n.round()).abs() > ROUNDED);
         if let Some(first) = broken.next() {
             let what = format!(
                 "numbers of lanes are not whole, the first of them {first}: the nearest whole one stands in"
@@ -130,10 +128,7 @@ impl Lanes {
             }
             (Some(numbers), Some(places)) => {
                 let rows = numbers.iter().zip(places);
-                Some(
-                    rows.map(|(n, p)| self.at_m(*n, self.within_m(*p)))
-                        .collect(),
-                )
+                Some(rows.map(|(n, p)| self.at_m(*n, self.within_m(*p))).collect())
             }
         }
     }
@@ -149,21 +144,13 @@ mod tests {
             from: Side::Right,
             first: 1,
             offset_m: 1.0,
-            road: RoadMapping {
-                lane_width_m: 3.5,
-                ..RoadMapping::UNKNOWN
-            },
+            road: RoadMapping { lane_width_m: 3.5, ..RoadMapping::UNKNOWN },
         };
         let told = |number: f64, place: f64, rows: usize| {
             let numbers = (0..100).map(|row| if row < rows { number } else { 2.0 });
             let places = (0..100).map(|row| if row < rows { place } else { 0.3 });
             let doubts = lanes.doubts(Path::new("t.csv"), numbers, places);
-            doubts.map(|doubts| {
-                doubts
-                    .into_iter()
-                    .map(|d| (d.count, d.what))
-                    .collect::<Vec<_>>()
-            })
+            doubts.map(|doubts| doubts.into_iter().map(|d| (d.count, d.what)).collect::<Vec<_>>())
         };
         // The edge itself, an empty cell, and a rounded number.
         assert_eq!(told(1.0 + 1e-9, 1.75, 100).unwrap(), []);
@@ -175,9 +162,6 @@ mod tests {
         assert_eq!((beyond.len(), beyond[0].0), (1, 25));
         assert!(beyond[0].1.contains("half a lane of 3.5 m"), "{beyond:?}");
         let refused = told(1.0, 9.0, 26).unwrap_err().to_string();
-        assert!(
-            refused.contains("in 26 of 100 samples a place"),
-            "{refused}"
-        );
+        assert!(refused.contains("in 26 of 100 samples a place"), "{refused}");
     }
 }

@@ -81,10 +81,7 @@ mod tests {
     }
 
     fn found(places_m: &[f64]) -> Vec<(f64, f64)> {
-        let times_ns: Vec<i64> = (0..)
-            .take(places_m.len())
-            .map(|i| i * 100_000_000)
-            .collect();
+        let times_ns: Vec<i64> = (0..).take(places_m.len()).map(|i| i * 100_000_000).collect();
         let jumps = jumps(&times_ns, places_m).into_iter();
         jumps.map(|(ns, m)| (ns as f64 / 1e9, m)).collect()
     }
@@ -96,10 +93,7 @@ mod tests {
         let offset: Vec<f64> = across.iter().map(|y| y - 3.6 * (y / 3.6).round()).collect();
         let jumps = found(&offset);
         assert_eq!(jumps.len(), 2);
-        assert!(
-            (jumps[0].0 - 20.0).abs() < 0.2 && (jumps[1].0 - 40.0).abs() < 0.2,
-            "{jumps:?}"
-        );
+        assert!((jumps[0].0 - 20.0).abs() < 0.2 && (jumps[1].0 - 40.0).abs() < 0.2, "{jumps:?}");
         assert!(jumps.iter().all(|j| (2.5..3.7).contains(&j.1)), "{jumps:?}");
         let mirrored: Vec<f64> = offset.iter().map(|y| -y).collect();
         assert_eq!(found(&mirrored).len(), 2);

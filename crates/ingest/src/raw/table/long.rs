@@ -35,13 +35,7 @@ pub(super) fn read(
     if let Some(rate) = meta.as_ref().and_then(|m| m.frames_per_s) {
         clock.frames_per_s = rate;
     }
-    let LongTable {
-        rows,
-        ids,
-        groups,
-        left_out,
-        ..
-    } = read_rows(log, long, clock)?;
+    let LongTable { rows, ids, groups, left_out, .. } = read_rows(log, long, clock)?;
     let frame = Frame {
         y_left: long.y_grows.map_or(1.0, Side::to_left),
         lanes: Lanes::new(mapping, road, long.offset_grows),
@@ -49,11 +43,9 @@ pub(super) fn read(
         long,
     };
     let (in_lanes, places) = (rows.iter().map(|r| r.lane), rows.iter().map(|r| r.offset));
-    log.warnings
-        .extend(frame.lanes.doubts(path, in_lanes, places)?);
+    log.warnings.extend(frame.lanes.doubts(path, in_lanes, places)?);
     let fleet = vehicles(rows, &frame, log.max_gap_s);
-    log.warnings
-        .extend(without_speed(path, &fleet.vehicles, &ids));
+    log.warnings.extend(without_speed(path, &fleet.vehicles, &ids));
     let c = &long.columns;
     let view = match (c.lead_id.is_some(), c.heading.is_some()) {
         (true, true) => View::LeaderInBends,
@@ -90,11 +82,7 @@ pub(super) fn read(
             sightings: around.sightings,
             ego_length_m: Some(vehicle.length_m),
             sees: match view {
-                View::All => Sees {
-                    beside: across,
-                    lanes: across,
-                    ..Sees::ALL
-                },
+                View::All => Sees { beside: across, lanes: across, ..Sees::ALL },
                 View::Leader | View::LeaderInBends => Sees::LEAD,
             },
             ..RawDrive::default()
@@ -102,9 +90,7 @@ pub(super) fn read(
         drives.push(TableDrive {
             captures,
             lane_steps: fleet.lane_steps,
-            road: meta
-                .as_ref()
-                .map(|m| m.road(road, vehicle.sign, frame.y_left)),
+            road: meta.as_ref().map(|m| m.road(road, vehicle.sign, frame.y_left)),
             raw,
             warnings: vehicle_warnings(path, vehicle),
             gaps: gaps(vehicle),
@@ -125,10 +111,7 @@ fn without_speed(path: &Path, vehicles: &[Vehicle], ids: &[String]) -> Option<Wa
     let rows = without.clone().map(|v| v.differentiated).sum();
     let whose = match without.count() {
         1 => format!("vehicle {}", name_of(first, ids)),
-        several => format!(
-            "{several} vehicles, the first of them {},",
-            name_of(first, ids)
-        ),
+        several => format!("{several} vehicles, the first of them {},", name_of(first, ids)),
     };
     let what = format!(
         "rows of {whose} hold no speed: it is differentiated from the positions, in drives of others too"
@@ -151,10 +134,7 @@ fn gaps(vehicle: &Vehicle) -> Gaps {
 fn vehicle_warnings(path: &Path, vehicle: &Vehicle) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if !vehicle.length_known {
-        let what = format!(
-            "ego's length is not known: {} m stands in",
-            vehicle.length_m
-        );
+        let what = format!("ego's length is not known: {} m stands in", vehicle.length_m);
         report(&mut warnings, path, WarningKind::Default, 1, &what);
     }
     let leads = vehicle.leads.iter().flatten();

@@ -115,13 +115,10 @@ impl Table {
 
     /// The rows of each file, in their order.
     pub(crate) fn parts(&self) -> impl Iterator<Item = (&Path, Range<usize>)> {
-        let begins = [(0, &self.path)]
-            .into_iter()
-            .chain(self.parts.iter().map(|(row, path)| (*row, path)));
+        let begins =
+            [(0, &self.path)].into_iter().chain(self.parts.iter().map(|(row, path)| (*row, path)));
         let ends = self.parts.iter().map(|p| p.0).chain([self.rows()]);
-        begins
-            .zip(ends)
-            .map(|((begin, path), end)| (path.as_path(), begin..end))
+        begins.zip(ends).map(|((begin, path), end)| (path.as_path(), begin..end))
     }
 
     /// Reads `wanted` columns; the first of them marks the line of the header.
@@ -169,11 +166,8 @@ impl Table {
             table.read_text(&bytes, &header, wanted, style)?;
         }
         if table.frame.height() == 0 {
-            let what = if style.headless {
-                "it has no rows"
-            } else {
-                "it has a header and no rows"
-            };
+            let what =
+                if style.headless { "it has no rows" } else { "it has a header and no rows" };
             return Err(table.bad(what));
         }
         Ok(table)
@@ -251,9 +245,8 @@ impl Table {
                 })
             })?,
         };
-        let places = columns
-            .iter()
-            .filter_map(|(name, _)| header.names.iter().position(|n| n == name));
+        let places =
+            columns.iter().filter_map(|(name, _)| header.names.iter().position(|n| n == name));
         let (rows, needed) = (self.rows(), places.max().map_or(0, |last| last + 1));
         let (warnings, is_cut) = ending_early(&self.path, &short, rows, header.names.len(), needed);
         self.warnings = warnings;
@@ -272,9 +265,7 @@ impl Table {
         let file_columns = Self::parquet_columns(&self.path, &bytes)?;
         self.names = file_columns.iter().map(|(name, _)| name.clone()).collect();
         let columns: Vec<String> = self.wanted(wanted)?.into_iter().map(|c| c.0).collect();
-        let mut unreadable = file_columns
-            .iter()
-            .filter(|(name, _)| columns.contains(name));
+        let mut unreadable = file_columns.iter().filter(|(name, _)| columns.contains(name));
         if let Some((name, Some(kind))) = unreadable.find(|(_, kind)| kind.is_some()) {
             return Err(self.bad(format!(
                 "column `{name}` is of type {kind}: expected numbers, words or times"
@@ -366,9 +357,7 @@ impl Table {
     }
 
     fn unreadable(&self, name: &str, error: &PolarsError) -> IngestError {
-        self.bad(format!(
-            "column `{name}` is neither numbers nor text: {error}"
-        ))
+        self.bad(format!("column `{name}` is neither numbers nor text: {error}"))
     }
 
     fn bad(&self, reason: impl Into<String>) -> IngestError {
@@ -414,9 +403,7 @@ impl Table {
                 }
             )));
         }
-        let numbers = column
-            .cast(&DataType::Float64)
-            .map_err(|e| self.unreadable(name, &e))?;
+        let numbers = column.cast(&DataType::Float64).map_err(|e| self.unreadable(name, &e))?;
         let numbers = numbers.f64().map_err(|e| self.unreadable(name, &e))?;
         let mut out = Vec::with_capacity(numbers.len());
         if numbers.null_count() == 0 {

@@ -92,8 +92,7 @@ pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, In
     };
     let gap_m: Vec<f64> = if let Some(gap) = column(&names.gap, length)? {
         let gap = gap.into_iter().zip(&lead_length_m);
-        gap.map(|(g, lead_m)| bumper_gap_m(g, mapping.gap_kind, ego_length_m, *lead_m))
-            .collect()
+        gap.map(|(g, lead_m)| bumper_gap_m(g, mapping.gap_kind, ego_length_m, *lead_m)).collect()
     } else {
         let lead = column(&names.lead_x, along)?.unwrap_or_default();
         let ego = ego_x_m.as_deref().unwrap_or_default();
@@ -103,15 +102,13 @@ pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, In
             _ => 0.5 * (ego_length_m + lead_length_m),
         };
         let rows = lead.iter().zip(ego).zip(&lead_length_m);
-        rows.map(|((l, e), length)| l - e - taken_m(*length))
-            .collect()
+        rows.map(|((l, e), length)| l - e - taken_m(*length)).collect()
     };
     let lanes = Lanes::new(mapping, log.road, pair.offset_grows);
     let (lane, offset) = (column(&names.lane, 1.0)?, column(&names.offset, 1.0)?);
     let numbers = lane.iter().flatten().copied();
     let places = offset.iter().flatten().copied();
-    log.warnings
-        .extend(lanes.doubts(log.path, numbers, places)?);
+    log.warnings.extend(lanes.doubts(log.path, numbers, places)?);
     let couple = Couple {
         stamp_ns: stamps(&table, &names.time, clock)?,
         ego_x_m,
@@ -158,10 +155,7 @@ fn leaders_lengths(
             }
         }
         let length_of = |id: &Option<u32>| id.and_then(|id| first.get(&id)).copied();
-        return ids
-            .iter()
-            .map(|id| length_of(id).unwrap_or(otherwise_m))
-            .collect();
+        return ids.iter().map(|id| length_of(id).unwrap_or(otherwise_m)).collect();
     }
     let known = lengths.iter().copied().find(|l| *l > 0.0);
     let mut now = known.unwrap_or(otherwise_m);
@@ -310,9 +304,8 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
 
 /// Ego's samples: the columns themselves, where ego is in every row.
 fn ego(couple: Couple) -> EgoSamples {
-    let rows: Vec<usize> = (0..couple.stamp_ns.len())
-        .filter(|&row| couple.ego_ns(row).is_some())
-        .collect();
+    let rows: Vec<usize> =
+        (0..couple.stamp_ns.len()).filter(|&row| couple.ego_ns(row).is_some()).collect();
     let taken = |column: Vec<f64>| {
         if rows.len() == column.len() {
             column

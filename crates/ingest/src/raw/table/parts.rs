@@ -69,14 +69,7 @@ fn parts<'a>(
                 above.put_off_ns
             };
         }
-        parts.push(Part {
-            path,
-            rows,
-            first_ns,
-            last_ns,
-            put_off_ns,
-            anew,
-        });
+        parts.push(Part { path, rows, first_ns, last_ns, put_off_ns, anew });
     }
     Ok(parts)
 }
@@ -89,10 +82,7 @@ pub(super) fn stamps(
 ) -> Result<Vec<Option<i64>>, IngestError> {
     let mut stamps = as_written(table, name, clock)?;
     if table.is_split() {
-        for Part {
-            rows, put_off_ns, ..
-        } in parts(table, &stamps, clock.hole_ns)?
-        {
+        for Part { rows, put_off_ns, .. } in parts(table, &stamps, clock.hole_ns)? {
             for stamp_ns in stamps[rows].iter_mut().flatten() {
                 *stamp_ns = stamp_ns.saturating_add(put_off_ns);
             }
@@ -109,9 +99,7 @@ fn number_in(below: &str, above: &str) -> String {
     let before = below.as_bytes()[..alike].iter().rev();
     let from = alike - before.take_while(|b| b.is_ascii_digit()).count();
     let differs = below.bytes().skip(from);
-    let digits = differs
-        .skip_while(|b| !b.is_ascii_digit())
-        .take_while(u8::is_ascii_digit);
+    let digits = differs.skip_while(|b| !b.is_ascii_digit()).take_while(u8::is_ascii_digit);
     let number: String = digits.map(char::from).collect();
     if number.is_empty() {
         return format!("`{below}`");
@@ -135,10 +123,7 @@ pub(super) fn joined(
     };
     let join = |pair: &[Part<'_>]| {
         let (above, below) = (&pair[0], &pair[1]);
-        let (from_s, to_s) = (
-            since_s(above.last_ns, above),
-            since_s(below.first_ns, below),
-        );
+        let (from_s, to_s) = (since_s(above.last_ns, above), since_s(below.first_ns, below));
         // By its number, so that what is true of many logs is said once.
         let part = number_in(&file_name(below.path), &file_name(above.path));
         let goes_on = format!("goes on in its part {part}");

@@ -29,11 +29,8 @@ pub(super) fn read(
     let (speed, gap) = (&columns.speed, &columns.gap);
     let mut names = vec![column(speed, 1), column(speed, 2), column(gap, 1)];
     let given = mapping.layout.columns();
-    let of_cars: Vec<&String> = given
-        .iter()
-        .filter(|(key, _)| key != "time")
-        .map(|g| &g.1)
-        .collect();
+    let of_cars: Vec<&String> =
+        given.iter().filter(|(key, _)| key != "time").map(|g| &g.1).collect();
     for n in 1..=MOST_VEHICLES {
         names.extend(of_cars.iter().map(|template| optional(template, n)));
     }
@@ -62,8 +59,7 @@ pub(super) fn read(
         numbers.extend(some(&columns.lane, n, 1.0)?.into_iter().flatten());
         places.extend(some(&columns.offset, n, 1.0)?.into_iter().flatten());
     }
-    log.warnings
-        .extend(lanes.doubts(log.path, numbers, places)?);
+    log.warnings.extend(lanes.doubts(log.path, numbers, places)?);
     let stamp_ns = stamps(&table, &columns.time, clock)?;
     let mut drives = Vec::new();
     for lead in 1..MOST_VEHICLES {

@@ -37,9 +37,7 @@ pub(super) fn read(
     let words = [&columns.markings_along_x, &columns.markings_against_x];
     let numbers = numbers.into_iter().flatten().map(|n| (n, Kind::Number));
     let words = words.into_iter().flatten().map(|n| (n, Kind::Word));
-    let wanted = numbers
-        .chain(words)
-        .map(|(name, kind)| (name.as_str(), kind));
+    let wanted = numbers.chain(words).map(|(name, kind)| (name.as_str(), kind));
     let wanted: Vec<(&str, Kind)> = wanted.collect();
     let meta = Table::open(&path, bytes, Style::default(), &wanted)?;
     let number = |name: &Option<String>| match name {
@@ -71,10 +69,7 @@ pub(super) fn read(
     Ok(Meta {
         frames_per_s,
         posted_speed_mps: posted.map(|v| v * mapping.units.speed.metres_per_second()),
-        markings_m: [
-            markings(&columns.markings_along_x)?,
-            markings(&columns.markings_against_x)?,
-        ],
+        markings_m: [markings(&columns.markings_along_x)?, markings(&columns.markings_against_x)?],
     })
 }
 
@@ -125,10 +120,8 @@ mod tests {
         assert!((along.posted_speed_mps - 36.0).abs() < 1e-12);
         let against = meta.road(&RoadMapping::UNKNOWN, -1.0, -1.0);
         assert!((against.right_lane_centre_y_m - 10.0).abs() < 1e-12);
-        let beside = beside(
-            Path::new("d/01_tracks.csv"),
-            &["_tracks".into(), "_recordingMeta".into()],
-        );
+        let beside =
+            beside(Path::new("d/01_tracks.csv"), &["_tracks".into(), "_recordingMeta".into()]);
         assert_eq!(beside, Path::new("d/01_recordingMeta.csv"));
     }
 }

@@ -88,12 +88,7 @@ pub(crate) fn header(text: &[u8], style: Style, anchor: Option<&str>) -> Header 
     }
     let read = |(preamble, line): (usize, &[u8])| {
         let separator = separator(line);
-        Header {
-            preamble,
-            separator,
-            names: cells(line, separator),
-            headless: false,
-        }
+        Header { preamble, separator, names: cells(line, separator), headless: false }
     };
     let lines = || text.split(|&b| b == b'\n').take(MOST_PREAMBLE).enumerate();
     let anchored = anchor.and_then(|anchor| {
@@ -126,14 +121,7 @@ pub(crate) fn cells(line: &[u8], separator: u8) -> Vec<String> {
     });
     // One more than are allowed tells that there are too many.
     let cells = cells.take(MOST_COLUMNS + 1);
-    cells
-        .map(|c| {
-            String::from_utf8_lossy(c)
-                .trim()
-                .trim_matches('"')
-                .to_owned()
-        })
-        .collect()
+    cells.map(|c| String::from_utf8_lossy(c).trim().trim_matches('"').to_owned()).collect()
 }
 
 /// What is wrong with the rows of a text: polars would read on.
@@ -272,11 +260,7 @@ pub(crate) fn short_rows(text: &[u8], header: &Header) -> Result<Vec<ShortRow>, 
         }
         if let (true, Some(row)) = (found < width, end.nth.checked_sub(1)) {
             let is_cut = end.is_cut && found < cells_above;
-            short.push(ShortRow {
-                row,
-                cells: found,
-                is_cut,
-            });
+            short.push(ShortRow { row, cells: found, is_cut });
         }
         cells_above = found;
         None
@@ -313,9 +297,7 @@ fn is_plain(text: &[u8], separator: u8, width: usize) -> bool {
         let line = |end| fits(&lines[std::mem::replace(&mut begin, end + 1)..end]);
         memchr::memchr(b'"', lines).is_none() && ends.all(line)
     };
-    (0..text.len().div_ceil(PIECE))
-        .into_par_iter()
-        .all(|i| piece(i * PIECE))
+    (0..text.len().div_ceil(PIECE)).into_par_iter().all(|i| piece(i * PIECE))
 }
 
 pub(super) fn same_name(a: &str, b: &str) -> bool {
@@ -328,9 +310,7 @@ mod tests {
 
     #[test]
     fn rows_without_quotes_are_told_as_with_them() {
-        let rows = [
-            "1,2", "1,2,", "1,2, ", "1", "", ",", "1,2,3", "1,2,,", "1,2,\r", ",,x",
-        ];
+        let rows = ["1,2", "1,2,", "1,2, ", "1", "", ",", "1,2,3", "1,2,,", "1,2,\r", ",,x"];
         let told = |text: &str, header: &Header| match short_rows(text.as_bytes(), header) {
             Err(Flaw::TooWide { row, found }) => Err((row, found)),
             Err(Flaw::OpenQuote { .. } | Flaw::TooNarrow { .. }) => Err((0, 0)),
@@ -361,8 +341,7 @@ mod tests {
                 panic!("{text:?} has a flaw");
             };
             let rows = rows.into_iter();
-            rows.map(|row| (row.row, row.cells, row.is_cut))
-                .collect::<Vec<_>>()
+            rows.map(|row| (row.row, row.cells, row.is_cut)).collect::<Vec<_>>()
         };
         assert_eq!(cut("a,b,c\n1,2,3\n1,2"), [(1, 2, true)]);
         assert_eq!(cut("a,b,c\n1,2,3\n1,2\n"), [(1, 2, false)]);

@@ -123,10 +123,7 @@ pub(crate) fn form_of(words: &[Option<String>]) -> Option<Form> {
         let mut words = words.iter().flatten();
         words.all(|word| time_in(word, pattern).is_some())
     };
-    [Form::Iso8601]
-        .into_iter()
-        .chain(PATTERNS.map(Form::Pattern))
-        .find(fits)
+    [Form::Iso8601].into_iter().chain(PATTERNS.map(Form::Pattern)).find(fits)
 }
 
 /// The time that a word is, by a pattern or as ISO 8601, in ns.
@@ -140,9 +137,8 @@ fn date(text: &str) -> Option<i64> {
         return time.timestamp_nanos_opt();
     }
     let formats = ["%Y-%m-%dT%H:%M:%S%.f", "%Y-%m-%d %H:%M:%S%.f"];
-    let parsed = formats
-        .iter()
-        .find_map(|format| NaiveDateTime::parse_from_str(text, format).ok())?;
+    let parsed =
+        formats.iter().find_map(|format| NaiveDateTime::parse_from_str(text, format).ok())?;
     parsed.and_utc().timestamp_nanos_opt()
 }
 
@@ -153,12 +149,7 @@ mod tests {
     use std::path::Path;
 
     fn of(cells: &str, unit: TimeUnit) -> Result<Vec<Option<i64>>, IngestError> {
-        let clock = Clock {
-            unit,
-            pattern: None,
-            frames_per_s: 25.0,
-            hole_ns: 1_000_000_000,
-        };
+        let clock = Clock { unit, pattern: None, frames_per_s: 25.0, hole_ns: 1_000_000_000 };
         let wanted = [("t", clock.kind())];
         let text = format!("t\n{cells}\n").into();
         let table = Table::open(Path::new("t.csv"), text, Style::default(), &wanted)?;
@@ -177,11 +168,9 @@ mod tests {
     #[test]
     fn dates_are_read_with_and_without_an_offset() {
         let expected = [Some(1_562_235_693_100_000_000)];
-        for text in [
-            "2019-07-04T10:21:33.1Z",
-            "2019-07-04T12:21:33.1+02:00",
-            "2019-07-04 10:21:33.1",
-        ] {
+        for text in
+            ["2019-07-04T10:21:33.1Z", "2019-07-04T12:21:33.1+02:00", "2019-07-04 10:21:33.1"]
+        {
             assert_eq!(of(text, TimeUnit::Iso8601).unwrap(), expected, "{text}");
         }
         let error = of("yesterday", TimeUnit::Iso8601).unwrap_err();

@@ -8,12 +8,7 @@ fn carla_with_ego_among_all_objects_in_any_direction() {
         let mut rig = Rig::new();
         for t in times() {
             let along = SPEED * (t - 100.0);
-            rig.send(
-                "/carla/hero/odometry",
-                ODOMETRY,
-                t,
-                &odometry(t, ego_at(yaw, t), SPEED, 0.0),
-            );
+            rig.send("/carla/hero/odometry", ODOMETRY, t, &odometry(t, ego_at(yaw, t), SPEED, 0.0));
             let all = [
                 (24, ego_at(yaw, t), 4.0, CAR),
                 (31, road(yaw, along + 40.0, 0.2), 12.0, CAR),
@@ -44,17 +39,9 @@ fn ego_is_told_from_transforms_where_nothing_else_tells_it() {
             MSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\ngeometry_msgs/Quaternion rotation\n{line}\n\
             MSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z\n{line}\n\
             MSG: geometry_msgs/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w",
-            if packed {
-                "time"
-            } else {
-                "builtin_interfaces/Time"
-            }
+            if packed { "time" } else { "builtin_interfaces/Time" }
         );
-        let name = if packed {
-            "tf2_msgs/TFMessage"
-        } else {
-            "tf2_msgs/msg/TFMessage"
-        };
+        let name = if packed { "tf2_msgs/TFMessage" } else { "tf2_msgs/msg/TFMessage" };
         let mut rig = Rig::new();
         for t in times() {
             let all = [
@@ -63,14 +50,7 @@ fn ego_is_told_from_transforms_where_nothing_else_tells_it() {
                 ("odom", "base_link", (0.9 * SPEED * (t - 100.0), 0.0, 0.0)),
                 ("/map", "ego/base_link", ego_at(0.4, t)),
             ];
-            let mut bytes = if packed {
-                Bytes {
-                    bytes: Vec::new(),
-                    packed,
-                }
-            } else {
-                cdr()
-            };
+            let mut bytes = if packed { Bytes { bytes: Vec::new(), packed } } else { cdr() };
             bytes.u32(all.len() as u32);
             for (parent, child, place) in all {
                 bytes.header(t, parent).string(child).pose(place);
@@ -78,11 +58,7 @@ fn ego_is_told_from_transforms_where_nothing_else_tells_it() {
             rig.send("/tf", (name, &text), t, &bytes);
         }
         let found = read(&rig.log(), None);
-        assert!(
-            said(&found, "from `map` to `base_link`"),
-            "{:?}",
-            found.warnings
-        );
+        assert!(said(&found, "from `map` to `base_link`"), "{:?}", found.warnings);
         assert!(said(&found, "differentiated"), "{:?}", found.warnings);
         close(&found.recording.ego().speed_mps, SPEED, ROWS - 1);
         assert!(found.recording.ego().y_m.iter().all(|y| y.abs() < 1e-6));
@@ -94,10 +70,7 @@ fn ego_is_told_from_the_objects_where_a_mapping_names_it() {
     let mut rig = Rig::new();
     for t in times() {
         let x = SPEED * (t - 100.0);
-        let all = [
-            (24, (x, 0.0, 0.0), 4.0, CAR),
-            (31, (x + 40.0, 0.0, 0.0), 6.0, CAR),
-        ];
+        let all = [(24, (x, 0.0, 0.0), 4.0, CAR), (31, (x + 40.0, 0.0, 0.0), 6.0, CAR)];
         rig.send("/carla/objects", OBJECTS, t, &objects(cdr(), t, &all));
     }
     let found = read(&rig.log(), Some("[mcap]\nego_object = 24"));

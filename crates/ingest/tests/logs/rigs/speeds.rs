@@ -8,11 +8,8 @@ fn twists_in_either_frame_give_the_speed() {
     for in_map in [false, true] {
         let mut rig = Rig::new();
         for t in times() {
-            let (vx, vy) = if in_map {
-                (SPEED * yaw.cos(), SPEED * yaw.sin())
-            } else {
-                (SPEED, 0.0)
-            };
+            let (vx, vy) =
+                if in_map { (SPEED * yaw.cos(), SPEED * yaw.sin()) } else { (SPEED, 0.0) };
             rig.send("/odom", ODOMETRY, t, &odometry(t, ego_at(yaw, t), vx, vy));
         }
         let found = read(&rig.log(), None);
@@ -32,12 +29,7 @@ fn a_pose_and_a_fix_take_their_speed_from_the_channel_beside_them() {
             if fix {
                 // One second of arc at the equator: 30.92 m.
                 let degrees = east / (6_378_137.0_f64.to_radians());
-                bytes
-                    .u8(0)
-                    .u16(1)
-                    .f64s(&[0.0, degrees, 30.0])
-                    .f64s(&[0.0; 9])
-                    .u8(0);
+                bytes.u8(0).u16(1).f64s(&[0.0, degrees, 30.0]).f64s(&[0.0; 9]).u8(0);
                 rig.send("/fix", FIX, t, &bytes);
             } else {
                 bytes.pose((east, 0.0, 0.0));
@@ -51,11 +43,7 @@ fn a_pose_and_a_fix_take_their_speed_from_the_channel_beside_them() {
         assert!(!said(&found, "differentiated"), "{:?}", found.warnings);
         close(&found.recording.ego().speed_mps, SPEED, ROWS - 3);
         let x = &found.recording.ego().x_m;
-        assert!(
-            (x[200] - x[0] - SPEED * 10.0).abs() < 1e-3,
-            "{}",
-            x[200] - x[0]
-        );
+        assert!((x[200] - x[0] - SPEED * 10.0).abs() < 1e-3, "{}", x[200] - x[0]);
     }
 }
 
@@ -86,19 +74,12 @@ fn speeds_of_another_channel_stay_with_their_poses_whatever_the_clock_does() {
             }
         }
         let found = read(&rig.log(), mapped.then_some(MAPPING));
-        assert!(
-            !said(&found, "differentiated"),
-            "{case}: {:?}",
-            found.warnings
-        );
+        assert!(!said(&found, "differentiated"), "{case}: {:?}", found.warnings);
         let ego = found.recording.ego();
         assert!(ego.speed_mps.len() > ROWS - 5, "{case}");
         for (time, v) in found.recording.time_s().iter().zip(&ego.speed_mps) {
             let expected = speed_at(100.0 + time);
-            assert!(
-                (v - expected).abs() < 0.05,
-                "{case}: {v} at {time}, expected {expected}"
-            );
+            assert!((v - expected).abs() < 0.05, "{case}: {v} at {time}, expected {expected}");
         }
     }
 }

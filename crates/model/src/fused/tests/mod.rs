@@ -111,12 +111,7 @@ impl Problem {
     ) -> (f64, Vec<f32>, Vec<f32>) {
         let mut batches = Batches::new(arch, &self.networks, self.drivers, self.rows);
         let packed = batches.layout.pack(&self.parameters);
-        let at = At {
-            packed: &packed,
-            embeddings: &self.embeddings,
-            weights,
-            reading,
-        };
+        let at = At { packed: &packed, embeddings: &self.embeddings, weights, reading };
         let driver = |row: usize| self.driver_of[row];
         let fill = |tile: &mut Tile, rows: Range<usize>| self.fill(tile, rows);
         // Twice: nothing of the batch before may be left.
@@ -160,13 +155,9 @@ impl Problem {
         let at = self.witnessed(&parameters, &embeddings, &weights, reading);
         let layers = self.networks.all().into_iter().flatten();
         let places = layers.map(|layer| Some(layer.offset..layer.end()));
-        let places = places
-            .chain([None])
-            .flat_map(|place| [place.clone(), place]);
+        let places = places.chain([None]).flat_map(|place| [place.clone(), place]);
         let slopes = places.map(|layer| {
-            let size = layer
-                .as_ref()
-                .map_or(embeddings.len(), ExactSizeIterator::len);
+            let size = layer.as_ref().map_or(embeddings.len(), ExactSizeIterator::len);
             let direction = StandardNormal.sample_iter(&mut rng).take(size);
             let direction: Vec<f64> = direction.collect();
             let losses = |step: f64| {
@@ -182,11 +173,7 @@ impl Problem {
             };
             let (above, below) = (losses(STEP), losses(-STEP));
             let risen: f64 = above.iter().zip(&below).map(|(a, b)| a - b).sum();
-            Slope {
-                layer,
-                direction,
-                rise: risen / (2.0 * STEP),
-            }
+            Slope { layer, direction, rise: risen / (2.0 * STEP) }
         });
         let slopes = slopes.collect();
         (at.iter().sum(), slopes)
@@ -221,16 +208,8 @@ fn agrees(problem: &Problem, archs: &[Arch], weights: LossWeights, reading: Read
     let (expected, slopes) = problem.slopes(weights, reading);
     for &arch in archs {
         let (loss, gradient, by_embeddings) = problem.fused(arch, weights, reading);
-        assert!(
-            (loss - expected).abs() < 1e-5 * expected.abs(),
-            "{loss} {expected}"
-        );
-        for Slope {
-            layer,
-            direction,
-            rise,
-        } in &slopes
-        {
+        assert!((loss - expected).abs() < 1e-5 * expected.abs(), "{loss} {expected}");
+        for Slope { layer, direction, rise } in &slopes {
             let part = layer.clone().map_or(&by_embeddings[..], |l| &gradient[l]);
             let pairs = part.iter().zip(direction);
             let found: f64 = pairs.map(|(&g, d)| f64::from(g) * d).sum();
@@ -283,9 +262,7 @@ fn every_loss_alone_reaches_the_sub_networks_it_is_of_and_no_other() {
         assert!(by_embeddings.iter().any(|&g| g != 0.0));
         problem.networks.all().map(|mlp| {
             let first = mlp[0];
-            gradient[first.offset..first.end()]
-                .iter()
-                .any(|&g| g != 0.0)
+            gradient[first.offset..first.end()].iter().any(|&g| g != 0.0)
         })
     };
     // F, C's encoder and head, V's, S, M.

@@ -33,10 +33,7 @@ struct MadeUp {
 fn made_up(n: usize, seed: u64) -> MadeUp {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut rng) };
-    let mut made = MadeUp {
-        eta: Vec::new(),
-        events: Vec::new(),
-    };
+    let mut made = MadeUp { eta: Vec::new(), events: Vec::new() };
     for _ in 0..n {
         let w = [normal(), normal()];
         let mut of_head = Vec::new();
@@ -59,11 +56,7 @@ fn made_up(n: usize, seed: u64) -> MadeUp {
                         Outcome::Value(f64::from(u8::from(u < p)))
                     }
                 };
-                Event {
-                    time_s: i as f64,
-                    reads,
-                    outcome,
-                }
+                Event { time_s: i as f64, reads, outcome }
             };
             of_head.push((0..8).map(|i| event(i, &mut normal)).collect());
         }
@@ -114,10 +107,7 @@ fn a_posterior_is_as_wide_as_it_is_wrong() {
     let mut square = 0.0;
     for events in &others.events {
         let half = |odd: usize| -> DriveEvents {
-            events
-                .iter()
-                .map(|e| e.iter().skip(odd).step_by(2).cloned().collect())
-                .collect()
+            events.iter().map(|e| e.iter().skip(odd).step_by(2).cloned().collect()).collect()
         };
         let [a, b] = [0, 1].map(|odd| solve(&fitted.heads, &half(odd), None, 2, None));
         for i in 0..2 {
@@ -164,10 +154,7 @@ fn a_habit_that_nobody_showed_is_not_learned_and_harms_nothing() {
     }
     let fitted = fit(&made.events, 3);
     assert!(!fitted.heads[at::PASS].learned());
-    let numbers = fitted
-        .heads
-        .iter()
-        .flat_map(|h| h.slopes.iter().chain(&h.common));
+    let numbers = fitted.heads.iter().flat_map(|h| h.slopes.iter().chain(&h.common));
     assert!(numbers.into_iter().all(|x| x.is_finite()));
     let one = fit(&made.events[..1], 3);
     assert!(one.latents[0].mean.iter().all(|x| x.is_finite()));

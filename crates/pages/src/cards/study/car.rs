@@ -76,9 +76,8 @@ pub(super) fn nearer(
         return Ok(None);
     };
     let with_label = |row: &Nearer| context! { other => study.label(row.than), ..value(row) };
-    let [near, tied, far] = rows.iter().fold([0; 3], |[a, b, c], r| {
-        [a + r.nearer, b + r.tied, c + r.farther]
-    });
+    let [near, tied, far] =
+        rows.iter().fold([0; 3], |[a, b, c], r| [a + r.nearer, b + r.tied, c + r.farther]);
     let total = (near + tied + far).max(1) as f64;
     let share = |part: usize| 100.0 * part as f64 / total;
     // Of each measure the comparison that is least clear.

@@ -74,14 +74,9 @@ pub(super) fn stays(
             tests.push(texts.say("stays", "test", &values)?);
         }
     }
-    let outcomes: BTreeSet<&str> = choices_compared
-        .iter()
-        .map(|one| one.title.as_str())
-        .collect();
-    let choices: BTreeSet<String> = choices_compared
-        .iter()
-        .map(|one| other_choice(&one.choice))
-        .collect();
+    let outcomes: BTreeSet<&str> = choices_compared.iter().map(|one| one.title.as_str()).collect();
+    let choices: BTreeSet<String> =
+        choices_compared.iter().map(|one| other_choice(&one.choice)).collect();
     let values = context! {
         outcomes => value(&outcomes),
         choices => value(&choices),
@@ -117,22 +112,14 @@ pub(super) fn expected(
     });
     let drawn: Vec<(IntervalRow, usize)> = drawn.collect();
     let lowest = drawn.iter().filter(|(row, _)| row.estimate.is_some());
-    let lowest = lowest.min_by(|(a, _), (b, _)| {
-        a.estimate
-            .unwrap_or(0.0)
-            .total_cmp(&b.estimate.unwrap_or(0.0))
-    });
-    let pairs = || {
-        panels
-            .iter()
-            .flat_map(|(p, cs)| cs.iter().map(move |c| (*p, *c)))
-    };
+    let lowest = lowest
+        .min_by(|(a, _), (b, _)| a.estimate.unwrap_or(0.0).total_cmp(&b.estimate.unwrap_or(0.0)));
+    let pairs = || panels.iter().flat_map(|(p, cs)| cs.iter().map(move |c| (*p, *c)));
     let right = pairs().filter(|(_, c)| c.mean_difference.and_then(Sign::of) == c.expected);
     let steps = study.conditions.iter();
     let steps = steps.filter(|c| c.moved_points.is_some_and(|m| m.abs() > 0.0) || c.clamped);
-    let (cut, asked) = steps.fold((0, 0), |(cut, asked), c| {
-        (cut + usize::from(c.clamped), asked + 1)
-    });
+    let (cut, asked) =
+        steps.fold((0, 0), |(cut, asked), c| (cut + usize::from(c.clamped), asked + 1));
     let values = context! {
         right => right.count(),
         all => finding.parts.len(),

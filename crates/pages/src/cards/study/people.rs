@@ -41,9 +41,7 @@ pub(super) fn congruence(
             &context! { top => value(top), movement => value(movement), digits, ..value(row) },
         )?);
     }
-    let tops = judged
-        .iter()
-        .filter_map(|(row, parts)| Some((row, parts.first()?)));
+    let tops = judged.iter().filter_map(|(row, parts)| Some((row, parts.first()?)));
     let furthest = tops
         .filter_map(|(row, top)| Some((row, top.estimate?)))
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
@@ -69,12 +67,7 @@ pub(super) fn which(
     texts: &Texts,
     finding: &Finding,
 ) -> Result<Option<Card>, ReportError> {
-    let Some((ride, all)) = study
-        .analysis
-        .which
-        .as_ref()
-        .and_then(|r| Some((r, r.all?)))
-    else {
+    let Some((ride, all)) = study.analysis.which.as_ref().and_then(|r| Some((r, r.all?))) else {
         return Ok(None);
     };
     let values = context! {
@@ -85,11 +78,7 @@ pub(super) fn which(
         ..value(&all)
     };
     let [first, second] = ride.by_place;
-    let rows = [
-        ("row_all", Some(all)),
-        ("row_first", first),
-        ("row_second", second),
-    ];
+    let rows = [("row_all", Some(all)), ("row_first", first), ("row_second", second)];
     let (mut drawn, mut tests) = (Vec::new(), Vec::new());
     for (key, choice) in rows {
         let Some(choice) = choice else { continue };
@@ -113,11 +102,7 @@ pub(super) fn preferred(
     let rated: Vec<&Preference> = rated.collect();
     let answers: usize = rated.iter().map(|p| p.n).sum();
     let mut shares = Vec::new();
-    for (at, other) in rated
-        .first()
-        .into_iter()
-        .flat_map(|p| p.others.iter().enumerate())
-    {
+    for (at, other) in rated.first().into_iter().flat_map(|p| p.others.iter().enumerate()) {
         let above = rated.iter().filter_map(|p| p.others.get(at));
         let above: usize = above.map(|other| other.above).sum();
         let values = context! {
@@ -126,10 +111,8 @@ pub(super) fn preferred(
         };
         shares.push(say("shares", &values)?);
     }
-    let comparisons: Vec<(&Preference, &Above)> = rated
-        .iter()
-        .flat_map(|p| p.others.iter().map(move |o| (*p, o)))
-        .collect();
+    let comparisons: Vec<(&Preference, &Above)> =
+        rated.iter().flat_map(|p| p.others.iter().map(move |o| (*p, o))).collect();
     let values_of = |(p, o): (&Preference, &Above)| {
         context! {
             title => p.title.as_str(),
@@ -141,19 +124,12 @@ pub(super) fn preferred(
             interval => value(&o.share.as_ref().map(|s| s.percent().ends())),
         }
     };
-    let known = || {
-        comparisons
-            .iter()
-            .filter_map(|(p, o)| Some((*p, *o, o.share.as_ref()?)))
-    };
+    let known = || comparisons.iter().filter_map(|(p, o)| Some((*p, *o, o.share.as_ref()?)));
     let larger = |a: &Proportion, b: &Proportion| a.estimate.total_cmp(&b.estimate);
     let most = known().max_by(|a, b| larger(a.2, b.2));
     let mut rows = Vec::new();
     for (p, o) in comparisons.iter().take(ROWS) {
-        rows.push(IntervalRow::share(
-            say("row", &values_of((p, o)))?,
-            o.share.as_ref(),
-        ));
+        rows.push(IntervalRow::share(say("row", &values_of((p, o)))?, o.share.as_ref()));
     }
     let values = context! {
         ratings => rated.len(),
@@ -193,9 +169,7 @@ pub(super) fn personality(
             p_holm => r.p_holm,
         }
     };
-    let alone = tested
-        .iter()
-        .filter(|r| r.correlation.p.is_some_and(|p| p < 0.05));
+    let alone = tested.iter().filter(|r| r.correlation.p.is_some_and(|p| p < 0.05));
     let could = least_that_holds(&study.analysis.homophily);
     let values = context! {
         all => tested.len(),
@@ -208,11 +182,7 @@ pub(super) fn personality(
     let (mut drawn, mut tests) = (Vec::new(), Vec::new());
     for row in tested.iter().take(STRONGEST) {
         let values = values_of(row);
-        drawn.push(IntervalRow::new(
-            say("row", &values)?,
-            row.correlation.r,
-            row.simultaneous,
-        ));
+        drawn.push(IntervalRow::new(say("row", &values)?, row.correlation.r, row.simultaneous));
         tests.push(say("test", &values)?);
     }
     let drawn = Drawn::beside(0.0, drawn);

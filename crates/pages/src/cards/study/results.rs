@@ -152,10 +152,7 @@ mod tests {
             texts.say("primary", "answer", &values).unwrap()
         };
         let said = answer(None, Some("all answers are 3"));
-        assert!(
-            said.ends_with("(24 people). There is no test: all answers are 3."),
-            "{said}"
-        );
+        assert!(said.ends_with("(24 people). There is no test: all answers are 3."), "{said}");
         assert!(answer(None, None).ends_with("(24 people)."));
         let closed = answer(Some("cannot be tested"), None);
         assert_eq!(closed, "Not tested: Comfort before it cannot be tested.");
@@ -182,14 +179,8 @@ mod tests {
         };
         for card in ["primary", "hypothesis"] {
             let [answer, value, axis] = said(card, "s", 4);
-            assert_eq!(
-                answer.trim(),
-                "On average Sporty lies 0.0040 s below Calm (19 people)."
-            );
-            assert_eq!(
-                value,
-                "mean difference −0.0040 s, 95% CI [−0.0057, −0.0023]"
-            );
+            assert_eq!(answer.trim(), "On average Sporty lies 0.0040 s below Calm (19 people).");
+            assert_eq!(value, "mean difference −0.0040 s, 95% CI [−0.0057, −0.0023]");
             assert_eq!(axis, "Mean difference (s)");
             let [answer, value, axis] = said(card, "", 2);
             assert!(answer.contains("lies 0.00 below"), "{answer}");

@@ -25,10 +25,8 @@ pub(super) fn retest(
         row.map_or_else(|| part.of.clone(), |row| row.title.clone())
     };
     let titles: Vec<String> = finding.parts.iter().map(|p| small(&title(p))).collect();
-    let by_hand = repeats
-        .retest
-        .iter()
-        .filter(|row| Some(row.condition) == study.design.baseline_id());
+    let by_hand =
+        repeats.retest.iter().filter(|row| Some(row.condition) == study.design.baseline_id());
     let fewer = by_hand.filter(|row| row.n < FEWEST_FOR_ICC);
     let rows = finding.parts.iter();
     let rows = rows.map(|part| IntervalRow::new(title(part), part.estimate, part.interval));

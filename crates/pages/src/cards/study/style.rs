@@ -39,10 +39,8 @@ pub(super) fn line(
         ceiling,
     };
     let (mut rows, mut tests) = (Vec::new(), Vec::new());
-    let fits: [(&str, &str, &Option<Correlation>); 2] = [
-        ("without", "test_without", &without),
-        ("with", "test_with", &with),
-    ];
+    let fits: [(&str, &str, &Option<Correlation>); 2] =
+        [("without", "test_without", &without), ("with", "test_with", &with)];
     for (label, test, fit) in fits {
         let Some(fit) = fit else { continue };
         let label = texts.say("style", label, &values)?;
@@ -91,9 +89,7 @@ pub(super) fn across(
         floor: chance(k.points.len()),
         ..IntervalRow::new(k.title.clone(), k.circular_r, None)
     });
-    let tested = kept
-        .iter()
-        .filter(|k| k.circular_r.is_some() && k.circular_p_holm.is_some());
+    let tested = kept.iter().filter(|k| k.circular_r.is_some() && k.circular_p_holm.is_some());
     let tests = tested.map(|k| texts.say("across", "test", &value(k)));
     let drawn = Drawn::beside(0.0, rows);
     let tests = tests.collect::<Result<_, _>>()?;

@@ -35,14 +35,11 @@ impl Follower<'_> {
             // What stands where nothing was moved is not the task's own. Where it is no longer what the task made, or only some was
             // moved, nobody knows whose it is: its outputs stay open.
             if ending.has_moved_nothing() {
-                self.workshop
-                    .leave_some(stage, |path| !script::is_moved(path))?;
+                self.workshop.leave_some(stage, |path| !script::is_moved(path))?;
             } else if is_as_made {
                 self.workshop.leave(stage)?;
             }
-            let failure = self
-                .workshop
-                .failure(stage, &[], cause, log.clone(), Some(seconds));
+            let failure = self.workshop.failure(stage, &[], cause, log.clone(), Some(seconds));
             Ok(Attempt::Failed(failure))
         };
         if ending.code != 0 {
@@ -80,10 +77,7 @@ impl Follower<'_> {
             stdout: &stdout,
         };
         match self.workshop.record(stage, run, tell)? {
-            None => Ok(Attempt::Done {
-                seconds,
-                peak_memory: None,
-            }),
+            None => Ok(Attempt::Done { seconds, peak_memory: None }),
             Some(cause) => failed(cause),
         }
     }
@@ -128,10 +122,7 @@ impl Follower<'_> {
         fs::write(&path, &text).map_err(PipelineError::io("write the log", &path))?;
         let lines: Vec<&str> = text.lines().skip(1).collect();
         let last = lines.len().saturating_sub(TOLD_LINES);
-        Ok(lines[last..]
-            .iter()
-            .map(|line| (*line).to_owned())
-            .collect())
+        Ok(lines[last..].iter().map(|line| (*line).to_owned()).collect())
     }
 }
 
@@ -141,8 +132,6 @@ pub(super) fn was_open(stage: &Stage, task: &Task, input: &str) -> bool {
 }
 
 fn read_text(path: &std::path::Path) -> String {
-    fs::read(path).map_or_else(
-        |_| String::new(),
-        |bytes| String::from_utf8_lossy(&bytes).into_owned(),
-    )
+    fs::read(path)
+        .map_or_else(|_| String::new(), |bytes| String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -8,19 +8,13 @@ fn by_speed(
         let of = |who: &ParticipantId| {
             let learned = drives.iter().zip(points);
             let learned = learned.filter(|(d, _)| d.participant != *who);
-            let pairs: Vec<(f64, f64)> = learned
-                .filter_map(|(d, p)| Some((d.speed_mps?, (*p)?)))
-                .collect();
+            let pairs: Vec<(f64, f64)> =
+                learned.filter_map(|(d, p)| Some((d.speed_mps?, (*p)?))).collect();
             let n = pairs.len() as f64;
-            let sums = pairs
-                .iter()
-                .fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
+            let sums = pairs.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
             let slope: f64 = pairs.iter().map(|p| (p.0 - sums.0) * (p.1 - sums.1)).sum();
             Some(Line {
-                position: drives
-                    .iter()
-                    .map(|d| Some(slope.signum() * d.speed_mps?))
-                    .collect(),
+                position: drives.iter().map(|d| Some(slope.signum() * d.speed_mps?)).collect(),
                 se: vec![Some(0.3); drives.len()],
                 score: vec![None; drives.len()],
             })
@@ -30,30 +24,20 @@ fn by_speed(
 }
 
 fn asked(drives: &[Drove]) -> Asked {
-    Asked {
-        higher: drives[1].role,
-        lower: vec![drives[0].role],
-    }
+    Asked { higher: drives[1].role, lower: vec![drives[0].role] }
 }
 
 #[test]
 fn an_order_is_counted_by_person_and_its_p_comes_from_exchanged_roles() {
     let drives = six();
     let found = order(&drives, &asked(&drives), 500, 1, &mut by_speed(&drives)).unwrap();
-    let (line, speed, gap) = (
-        found.by(By::Line).unwrap(),
-        found.by(By::Speed).unwrap(),
-        found.by(By::TimeGap).unwrap(),
-    );
+    let (line, speed, gap) =
+        (found.by(By::Line).unwrap(), found.by(By::Speed).unwrap(), found.by(By::TimeGap).unwrap());
     assert_eq!((line.right, speed.right, gap.right), (5, 5, 6));
     assert!((found.chance - 0.5).abs() < 1e-12);
     // 6 of 6 in one direction: 1/64 of the exchanges; 5 or more: 7/64.
     assert!((gap.p.unwrap() - 1.0 / 64.0).abs() < 0.015, "{:?}", gap.p);
-    assert!(
-        (speed.p.unwrap() - 7.0 / 64.0).abs() < 0.04,
-        "{:?}",
-        speed.p
-    );
+    assert!((speed.p.unwrap() - 7.0 / 64.0).abs() < 0.04, "{:?}", speed.p);
     // The line learns its direction from exchanged roles too, so it is right more often by chance than a fixed one.
     assert!(line.p.unwrap() > speed.p.unwrap(), "{:?}", line.p);
     let interval = gap.share.unwrap();
@@ -89,12 +73,7 @@ fn a_tie_is_not_above_and_whoever_lacks_a_drive_or_a_reading_is_named() {
     let (speed, gap) = (found.by(By::Speed).unwrap(), found.by(By::TimeGap).unwrap());
     assert_eq!((speed.n, speed.right), (5, 4));
     assert_eq!(gap.n, 4);
-    assert_eq!(
-        found.uncounted[0].why,
-        Missing::Drive {
-            role: asked(&six()).higher
-        }
-    );
+    assert_eq!(found.uncounted[0].why, Missing::Drive { role: asked(&six()).higher });
     let reading = &found.uncounted[1].why;
     assert!(
         matches!(reading, Missing::Reading { by: By::TimeGap, drive } if *drive == drives[3].drive)
@@ -103,10 +82,7 @@ fn a_tie_is_not_above_and_whoever_lacks_a_drive_or_a_reading_is_named() {
     let none = order::<RehearsalError>(&drives, &asked(&drives), 20, 1, &mut |_| Ok(vec![None; 6]));
     let none = none.unwrap();
     let line = none.by(By::Line).unwrap();
-    assert_eq!(
-        (line.n, line.share, line.p, line.difference),
-        (0, None, None, None)
-    );
+    assert_eq!((line.n, line.share, line.p, line.difference), (0, None, None, None));
 }
 
 #[test]

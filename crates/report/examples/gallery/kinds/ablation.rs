@@ -4,16 +4,8 @@ use super::wobble;
 use maveric_report::figures::ablation::{Ablation, AblationVariant};
 
 pub(crate) fn input() -> Ablation {
-    let names = [
-        "size 3",
-        "size 1",
-        "size 2",
-        "size 5",
-        "size 8",
-        "without M",
-        "without S",
-        "Gaussian L5",
-    ];
+    let names =
+        ["size 3", "size 1", "size 2", "size 5", "size 8", "without M", "without S", "Gaussian L5"];
     let variants = names.iter().enumerate().map(|(v, name)| AblationVariant {
         name: (*name).to_owned(),
         losses: (0..3)

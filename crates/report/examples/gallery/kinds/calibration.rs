@@ -12,10 +12,5 @@ pub(crate) fn input() -> Calibration {
             seconds: 6000.0 / f64::from(1 + 3 * k),
         }
     });
-    Calibration {
-        bins: bins.collect(),
-        expected_error: 0.0042,
-        drives: 38,
-        held_out: true,
-    }
+    Calibration { bins: bins.collect(), expected_error: 0.0042, drives: 38, held_out: true }
 }

@@ -13,9 +13,7 @@ pub(crate) fn input() -> Comparison {
     let person = |i: usize| {
         let first = if i.is_multiple_of(2) { 0 } else { 2 };
         let value = |c: usize| shift[c] + 0.6 * (wobble(i, 90) + wobble(i, c));
-        (0..4)
-            .map(|c| (c == first || c == first + 1).then(|| value(c)))
-            .collect()
+        (0..4).map(|c| (c == first || c == first + 1).then(|| value(c))).collect()
     };
     let contrast = |(first, second, p)| Contrast { first, second, p };
     Comparison {

@@ -10,9 +10,7 @@ pub(crate) fn input() -> Completeness {
         counts: counts.to_vec(),
     };
     Completeness {
-        rows: ["Before the drives", "Own", "Calm", "Sporty"]
-            .map(String::from)
-            .to_vec(),
+        rows: ["Before the drives", "Own", "Calm", "Sporty"].map(String::from).to_vec(),
         panels: vec![
             panel("Logs", [(0, 0), (n, n), (n - 3, n), (n - 9, n)]),
             panel("Drives", [(0, 0), (n, n), (n - 4, n), (n - 9, n)]),

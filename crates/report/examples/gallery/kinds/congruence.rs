@@ -9,9 +9,7 @@ pub(crate) fn input() -> Congruence {
         // Not below the score that the scale begins with. No point lies at the own style.
         let (least, most) = ((own - 15.0).max(11.0), own + 15.0);
         let met = |step: i32| least + (most - least) / 41.0 * f64::from(step);
-        let points: Vec<(f64, f64)> = (0..=41)
-            .map(|step| (met(step), rating(met(step))))
-            .collect();
+        let points: Vec<(f64, f64)> = (0..=41).map(|step| (met(step), rating(met(step)))).collect();
         let is_met = (least..=most).contains(&best);
         CongruenceLine {
             own,
@@ -37,9 +35,7 @@ pub(crate) fn input() -> Congruence {
             panel("Intelligence", "Curvature −0.0047, *p* = .012", |own| {
                 (20.4 + 0.1 * own, 0.0047, 4.9)
             }),
-            panel("Trust", "Curvature −0.0012, *p* = .210", |own| {
-                (own - 21.5, 0.0012, 5.6)
-            }),
+            panel("Trust", "Curvature −0.0012, *p* = .210", |own| (own - 21.5, 0.0012, 5.6)),
             panel("Usefulness", "Curvature 0.0009, *p* = .480", |own| {
                 (own + 4.2, -0.0009, 4.1 + 0.02 * own)
             }),

@@ -6,21 +6,14 @@ pub(crate) fn input() -> Curves {
     let curve = |strength: f64| -> Vec<CurvePoint> {
         let point = |n: f64| {
             let y = 1.0 - 0.95 * (-strength * n).exp();
-            CurvePoint {
-                x: n,
-                y,
-                low: y - 0.03,
-                high: (y + 0.03).min(1.0),
-            }
+            CurvePoint { x: n, y, low: y - 0.03, high: (y + 0.03).min(1.0) }
         };
         [12.0, 24.0, 36.0, 48.0, 72.0].map(point).to_vec()
     };
     let panel = |title: &str, strength: f64| CurvePanel {
         title: title.into(),
         y: "Power".into(),
-        curves: [1.0, 0.6, 0.3]
-            .map(|share| curve(share * strength))
-            .to_vec(),
+        curves: [1.0, 0.6, 0.3].map(|share| curve(share * strength)).to_vec(),
     };
     Curves {
         name: "power-curves".into(),

@@ -12,9 +12,7 @@ pub(crate) fn input() -> DialSweep {
             .map(|i| {
                 let undialled = mean * (1.0 + 0.1 * wobble(i, 31));
                 let value = |k: usize| undialled + slope * points[k] + 0.01 * mean * wobble(i, k);
-                (0..points.len())
-                    .map(|k| ((i + k) % 37 != 0).then(|| value(k)))
-                    .collect()
+                (0..points.len()).map(|k| ((i + k) % 37 != 0).then(|| value(k))).collect()
             })
             .collect(),
         statistic: "right way: 92% at +15, 88% at −15".into(),

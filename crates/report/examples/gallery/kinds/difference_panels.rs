@@ -40,12 +40,7 @@ pub(crate) fn input() -> DifferencePanels {
                         .collect()
                 })
                 .collect(),
-            omnibus: if index == 3 {
-                friedman.markup()
-            } else {
-                omnibus.markup()
-            }
-            .to_owned(),
+            omnibus: if index == 3 { friedman.markup() } else { omnibus.markup() }.to_owned(),
             pairs: vec![
                 pair(conditions()[1], 0.0002),
                 pair(conditions()[2], 0.017),
@@ -60,38 +55,10 @@ pub(crate) fn input() -> DifferencePanels {
         panels: vec![
             panel(0, "Mean velocity", "Difference (mph)", 4.5, 1.6, 0.0),
             panel(1, "Mean headway time", "Difference (s)", -0.3, 0.35, 0.0),
-            panel(
-                2,
-                "Distance headway merge back",
-                "Difference (m)",
-                -10.0,
-                6.0,
-                0.0,
-            ),
-            panel(
-                3,
-                "Number of lane changes",
-                "Difference (count)",
-                1.6,
-                1.4,
-                0.0,
-            ),
-            panel(
-                4,
-                "Time headway merge back",
-                "Difference (s)",
-                -0.4,
-                0.3,
-                0.0,
-            ),
-            panel(
-                5,
-                "Subjective aggressiveness",
-                "Rating (1 to 7; 4 = as I drive)",
-                1.0,
-                0.6,
-                4.0,
-            ),
+            panel(2, "Distance headway merge back", "Difference (m)", -10.0, 6.0, 0.0),
+            panel(3, "Number of lane changes", "Difference (count)", 1.6, 1.4, 0.0),
+            panel(4, "Time headway merge back", "Difference (s)", -0.4, 0.3, 0.0),
+            panel(5, "Subjective aggressiveness", "Rating (1 to 7; 4 = as I drive)", 1.0, 0.6, 4.0),
         ],
         from: None,
         part: None,

@@ -15,9 +15,7 @@ pub(crate) fn input() -> DriveOverview {
         speed_mps: rows()
             .map(|k| 28.0 + 2.0 * (time(k) / 20.0).sin() + 0.1 * wobble(k as usize, 1))
             .collect(),
-        gap_m: rows()
-            .map(|k| (k % 180 > 40).then(|| 90.0 - 1.0 * f64::from(k % 180)))
-            .collect(),
+        gap_m: rows().map(|k| (k % 180 > 40).then(|| 90.0 - 1.0 * f64::from(k % 180))).collect(),
         lane: rows().map(|k| u8::from(passing(k))).collect(),
         lanes: 2,
     }

@@ -20,11 +20,7 @@ pub(crate) fn input() -> EmbeddingSpace {
     let gradient = [0.9, 0.5, 0.6];
     let unit = gradient.map(|g: f64| g / 1.42_f64.sqrt());
     let centre = [0.2, -0.4, 0.1];
-    let shifted = |t: f64| {
-        (0..3)
-            .map(|k| centre[k] + t * unit[k])
-            .collect::<Vec<f64>>()
-    };
+    let shifted = |t: f64| (0..3).map(|k| centre[k] + t * unit[k]).collect::<Vec<f64>>();
     let a = [unit[1], -unit[0], 0.0].map(|x| x / unit[0].hypot(unit[1]));
     let b = [
         unit[1] * a[2] - unit[2] * a[1],
@@ -32,9 +28,7 @@ pub(crate) fn input() -> EmbeddingSpace {
         unit[0] * a[1] - unit[1] * a[0],
     ];
     let round = |angle: f64| {
-        (0..3)
-            .map(|k| centre[k] + 0.9 * angle.cos() * a[k] + 0.9 * angle.sin() * b[k])
-            .collect()
+        (0..3).map(|k| centre[k] + 0.9 * angle.cos() * a[k] + 0.9 * angle.sin() * b[k]).collect()
     };
     EmbeddingSpace {
         points,

@@ -6,16 +6,9 @@ use maveric_report::figures::false_positives::{FalsePositives, PartRates};
 pub(crate) fn input() -> FalsePositives {
     let part = |(k, name): (usize, &str)| PartRates {
         name: name.into(),
-        rates: (0..6 + 4 * k)
-            .map(|i| 0.05 + 0.012 * wobble(i, k))
-            .collect(),
+        rates: (0..6 + 4 * k).map(|i| 0.05 + 0.012 * wobble(i, k)).collect(),
     };
-    let parts = [
-        "Panels, omnibus",
-        "Panels, pairs",
-        "Aggression line",
-        "Homophily",
-    ];
+    let parts = ["Panels, omnibus", "Panels, pairs", "Aggression line", "Homophily"];
     FalsePositives {
         parts: parts.into_iter().enumerate().map(part).collect(),
         families: vec![

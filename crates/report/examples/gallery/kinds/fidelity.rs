@@ -11,11 +11,7 @@ pub(crate) fn input() -> Fidelity {
         "Number of lane changes",
         "Time headway merge back",
     ];
-    let around = |mean: f64| Accuracy {
-        mean,
-        low: mean - 0.012,
-        high: mean + 0.01,
-    };
+    let around = |mean: f64| Accuracy { mean, low: mean - 0.012, high: mean + 0.01 };
     Fidelity {
         measures: names
             .iter()

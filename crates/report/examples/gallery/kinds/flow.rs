@@ -12,10 +12,7 @@ pub(crate) fn input() -> Flow {
         drove: PARTICIPANTS + 3,
         left_out: vec![
             ("withdrew consent".into(), 1),
-            (
-                "one answer to every item of `mdsi`, reversed ones too".into(),
-                2,
-            ),
+            ("one answer to every item of `mdsi`, reversed ones too".into(), 2),
         ],
         analysed: PARTICIPANTS,
         drives_left_out: vec![("simulator sickness".into(), 1)],

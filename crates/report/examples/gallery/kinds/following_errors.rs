@@ -7,9 +7,7 @@ use maveric_report::figures::following_errors::{FollowingErrors, ModelErrors};
 pub(crate) fn input() -> FollowingErrors {
     let model = |model, centre: f64, seed: usize| ModelErrors {
         model,
-        gap_rmse_m: (0..6)
-            .map(|i| centre + 0.3 * centre * wobble(i, seed))
-            .collect(),
+        gap_rmse_m: (0..6).map(|i| centre + 0.3 * centre * wobble(i, seed)).collect(),
     };
     FollowingErrors {
         data_set: "Made-up recordings".into(),

@@ -21,19 +21,11 @@ pub(crate) fn input() -> Interaction {
         axis: "Take-over time (s)".to_owned(),
         factor: "Traffic".to_owned(),
         levels: ["Free flow", "Dense", "Jam"].map(str::to_owned).to_vec(),
-        lines: ["Calm", "Sporty"]
-            .into_iter()
-            .enumerate()
-            .map(|s| line(group, s))
-            .collect(),
+        lines: ["Calm", "Sporty"].into_iter().enumerate().map(|s| line(group, s)).collect(),
         range: None,
     };
     Interaction {
-        panels: ["experts", "novices"]
-            .into_iter()
-            .enumerate()
-            .map(panel)
-            .collect(),
+        panels: ["experts", "novices"].into_iter().enumerate().map(panel).collect(),
         intervals: "Intervals compare the levels within people (Cousineau–Morey).".to_owned(),
     }
 }

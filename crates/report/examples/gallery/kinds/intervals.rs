@@ -19,11 +19,7 @@ pub(crate) fn input() -> Intervals {
             ..IntervalRow::new(label, Some(value), Some((value - 0.1, value + 0.1)))
         }
     };
-    let labels = [
-        "Mean velocity",
-        "Mean headway time",
-        "Number of lane changes",
-    ];
+    let labels = ["Mean velocity", "Mean headway time", "Number of lane changes"];
     Intervals {
         axis: "Accuracy".into(),
         rows: labels.into_iter().enumerate().map(row).collect(),

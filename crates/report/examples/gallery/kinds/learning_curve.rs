@@ -10,12 +10,7 @@ pub(crate) fn input() -> LearningCurve {
         points: [1.0, 2.0, 5.0, 10.0]
             .map(|minutes: f64| {
                 let mean = to + (from - to) / (1.0 + minutes);
-                LearningPoint {
-                    minutes,
-                    mean,
-                    low: 0.93 * mean,
-                    high: 1.07 * mean,
-                }
+                LearningPoint { minutes, mean, low: 0.93 * mean, high: 1.07 * mean }
             })
             .to_vec(),
         before: Some(from),

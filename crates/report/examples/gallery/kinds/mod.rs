@@ -48,10 +48,7 @@ pub(crate) fn conditions() -> Vec<ConditionId> {
 }
 
 /// Synthetic participants in these conditions.
-#[allow(
-    dead_code,
-    reason = "a test of the page alone and the bench have contexts of their own"
-)]
+#[allow(dead_code, reason = "a test of the page alone and the bench have contexts of their own")]
 pub(crate) fn context(seed: u64) -> Context {
     let design = design();
     Context::synthetic(seed)
@@ -67,9 +64,7 @@ pub(crate) type Draw = fn(&Context) -> Result<Figure, ReportError>;
 /// Draws the made-up numbers of a kind by the figure of its name.
 macro_rules! draw {
     ($kind:ident) => {
-        (stringify!($kind), |context| {
-            maveric_report::figures::$kind(&$kind::input(), context)
-        })
+        (stringify!($kind), |context| maveric_report::figures::$kind(&$kind::input(), context))
     };
 }
 
@@ -122,17 +117,10 @@ pub(crate) fn wobble(a: usize, b: usize) -> f64 {
 /// Pearson's r of points, as a panel shows it.
 pub(crate) fn pearson(points: &[(f64, f64)]) -> String {
     let column = |coordinate: fn(&(f64, f64)) -> f64| {
-        points
-            .iter()
-            .map(|p| Some(coordinate(p)))
-            .collect::<Vec<_>>()
+        points.iter().map(|p| Some(coordinate(p))).collect::<Vec<_>>()
     };
     let fit = linear_fit(&column(|p| p.0), &column(|p| p.1));
-    let r_and_p = fit
-        .ok()
-        .and_then(|f| Some((f.slope.signum() * f.r2?.sqrt(), f.slope_p?)));
+    let r_and_p = fit.ok().and_then(|f| Some((f.slope.signum() * f.r2?.sqrt(), f.slope_p?)));
     let (r, p) = r_and_p.unwrap_or((f64::NAN, f64::NAN));
-    apa::r(r, points.len().saturating_sub(2), p)
-        .markup()
-        .to_owned()
+    apa::r(r, points.len().saturating_sub(2), p).markup().to_owned()
 }

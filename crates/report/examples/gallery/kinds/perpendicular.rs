@@ -26,13 +26,7 @@ pub(crate) fn input() -> PerpendicularChanges {
         across: conditions()[3],
         from: conditions()[0],
         panels: vec![
-            panel(
-                0,
-                "Minimum headway distance",
-                "Change (m)",
-                6.0,
-                (0.61, 0.008),
-            ),
+            panel(0, "Minimum headway distance", "Change (m)", 6.0, (0.61, 0.008)),
             panel(
                 1,
                 "Fraction of time in the left lane",

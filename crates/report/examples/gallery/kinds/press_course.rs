@@ -25,12 +25,7 @@ pub(crate) fn input() -> PressCourses {
     PressCourses {
         panels: [
             ("Smallest gap", "Value (m)", 42.0, 28.0),
-            (
-                "Largest inverse time to collision",
-                "Value (1/s)",
-                0.05,
-                0.14,
-            ),
+            ("Largest inverse time to collision", "Value (1/s)", 0.05, 0.14),
             ("Strongest braking", "Value (m/s²)", 0.4, 1.9),
             ("A lane change", "Share of the time", 0.12, 0.2),
         ]

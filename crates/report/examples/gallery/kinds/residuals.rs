@@ -19,10 +19,7 @@ pub(crate) fn input() -> Residuals {
         rows: 9000,
     };
     Residuals {
-        panels: vec![
-            panel("Following distance (F)", "m", 5.0),
-            panel("Ego speed (V)", "m/s", 1.1),
-        ],
+        panels: vec![panel("Following distance (F)", "m", 5.0), panel("Ego speed (V)", "m/s", 1.1)],
         drives: 38,
         held_out: true,
     }

@@ -25,9 +25,7 @@ pub(crate) fn input() -> SimulatorView {
             vehicle(2700.0, 0.0, 0.0, 27.0),
         ],
         reference: Some(0),
-        trail_m: (0..40)
-            .map(|k| (1940.0 + 1.5 * f64::from(k), 0.0))
-            .collect(),
+        trail_m: (0..40).map(|k| (1940.0 + 1.5 * f64::from(k), 0.0)).collect(),
         plan_m: (0..60)
             .map(|k| {
                 let s = f64::from(k) / 59.0;

@@ -7,9 +7,7 @@ const PASSED: [f64; 6] = [85.0, 170.0, 255.0, 345.0, 440.0, 540.0];
 
 pub(crate) fn input() -> TimeSpace {
     let times = |from: f64, to: f64| {
-        (0..1200)
-            .map(|k| 0.5 * f64::from(k))
-            .filter(move |t| (from..=to).contains(t))
+        (0..1200).map(|k| 0.5 * f64::from(k)).filter(move |t| (from..=to).contains(t))
     };
     let passing = |t: f64| PASSED.iter().any(|passed| (t - passed).abs() < 8.0);
     let ego = |t: f64| 29.0 * t + 35.0 * (t / 45.0).sin();
@@ -27,20 +25,11 @@ pub(crate) fn input() -> TimeSpace {
         track(met - 60.0, met + 60.0, &x, &|_| 1)
     };
     let decision = |passed: &f64| {
-        [
-            (-9.0, DecisionKind::LaneChange),
-            (8.5, DecisionKind::MergeBack),
-        ]
-        .map(|(after, kind)| Decision {
-            time_s: passed + after,
-            kind,
-        })
+        [(-9.0, DecisionKind::LaneChange), (8.5, DecisionKind::MergeBack)]
+            .map(|(after, kind)| Decision { time_s: passed + after, kind })
     };
     let mut decisions: Vec<Decision> = PASSED.iter().flat_map(decision).collect();
-    decisions.push(Decision {
-        time_s: 318.0,
-        kind: DecisionKind::Safety,
-    });
+    decisions.push(Decision { time_s: 318.0, kind: DecisionKind::Safety });
     TimeSpace {
         drive: "P07-mimic".into(),
         condition: super::conditions()[0],

@@ -13,11 +13,7 @@ pub(crate) fn input() -> TrainingCurves {
                 })
                 .collect()
         };
-        LossTerm {
-            title: title.into(),
-            train: curve(6.0, 5),
-            validation: curve(7.5, 25),
-        }
+        LossTerm { title: title.into(), train: curve(6.0, 5), validation: curve(7.5, 25) }
     };
     TrainingCurves {
         terms: vec![

@@ -19,10 +19,7 @@ fn equal_values_get_a_range_around_them() {
 fn ticks_are_round_and_inside() {
     let scale = Scale::between(-0.37, 1.18, 4);
     assert_eq!(scale.labels, ["0.0", "0.5", "1.0"]);
-    assert_eq!(
-        Scale::between(0.0, 100.0, 5).labels,
-        ["0", "20", "40", "60", "80", "100"]
-    );
+    assert_eq!(Scale::between(0.0, 100.0, 5).labels, ["0", "20", "40", "60", "80", "100"]);
 }
 
 #[test]
@@ -32,10 +29,7 @@ fn a_short_logarithmic_scale_has_ticks_between_the_powers() {
 }
 
 fn close(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() < 1e-9,
-        "{found} instead of {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9, "{found} instead of {expected}");
 }
 
 #[test]

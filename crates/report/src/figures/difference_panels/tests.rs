@@ -3,12 +3,8 @@ use super::*;
 fn panel(rows: Vec<Vec<Option<f64>>>) -> DifferencePanels {
     let id = |text: &str| ConditionId::new(text).unwrap();
     let conditions = ["same", "faster", "slower", "sideways"].map(id);
-    let pair = |second| PairTest {
-        first: conditions[0],
-        second,
-        p_holm: 0.0004,
-        effect: Some(1.25),
-    };
+    let pair =
+        |second| PairTest { first: conditions[0], second, p_holm: 0.0004, effect: Some(1.25) };
     DifferencePanels {
         panels: vec![DifferencePanel {
             title: "Mean velocity".into(),
@@ -27,13 +23,7 @@ fn panel(rows: Vec<Vec<Option<f64>>>) -> DifferencePanels {
 }
 
 fn rows(n: usize) -> Vec<Vec<Option<f64>>> {
-    (0..n)
-        .map(|i| {
-            (0..4)
-                .map(|j| Some(((i * 7 + j * 3) % 11) as f64 - 5.0))
-                .collect()
-        })
-        .collect()
+    (0..n).map(|i| (0..4).map(|j| Some(((i * 7 + j * 3) % 11) as f64 - 5.0)).collect()).collect()
 }
 
 #[test]
@@ -54,9 +44,7 @@ fn means_in_words_have_as_many_decimals_as_people_need_to_differ() {
         for value in rows.iter_mut().flatten().flatten() {
             *value *= factor;
         }
-        difference_panels(&panel(rows), &Context::real())
-            .unwrap()
-            .alt
+        difference_panels(&panel(rows), &Context::real()).unwrap().alt
     };
     // Of decimals the most that any number of the words has.
     let most = |said: &str| {
@@ -186,10 +174,7 @@ fn one_condition_has_its_mean_with_an_interval_of_its_own_and_no_words_of_severa
         difference_panels(&input, &Context::real()).unwrap().caption
     };
     let (one, two) = (figure(1), figure(2));
-    assert!(
-        one.contains("black dots means with 95% intervals, cut"),
-        "{one}"
-    );
+    assert!(one.contains("black dots means with 95% intervals, cut"), "{one}");
     for word in ["Cousineau", "each thin line", "omnibus"] {
         assert!(!one.contains(word) && two.contains(word), "{word}: {one}");
     }

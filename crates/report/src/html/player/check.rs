@@ -12,10 +12,7 @@ pub(super) fn check(player: &WatchPlayer) -> Result<(), ReportError> {
     let check = Check(&player.name);
     check.name()?;
     check.at_least(1, "drives", player.drives.len())?;
-    player
-        .drives
-        .iter()
-        .try_for_each(|drive| check_drive(&player.name, drive))
+    player.drives.iter().try_for_each(|drive| check_drive(&player.name, drive))
 }
 
 fn check_drive(name: &str, drive: &PlayerDrive) -> Result<(), ReportError> {
@@ -45,12 +42,7 @@ fn check_drive(name: &str, drive: &PlayerDrive) -> Result<(), ReportError> {
     check.that(lanes >= 1.0, &field("lanes"), lanes, "at least 1")?;
     let width = drive.lane_width_m;
     let usable = width.is_finite() && width > 0.0;
-    check.that(
-        usable,
-        &field("lane_width_m"),
-        width,
-        "a finite number above 0",
-    )?;
+    check.that(usable, &field("lane_width_m"), width, "a finite number above 0")?;
     for track in std::iter::once(&drive.ego).chain(&drive.others) {
         check_track(name, drive, track)?;
     }

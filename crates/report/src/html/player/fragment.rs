@@ -85,9 +85,8 @@ pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment,
         "ahead": rounded(SHOWN_M.1 / (SHOWN_M.0 + SHOWN_M.1)),
         "drives": drives().map(|(d, s)| drive_data(d, s)).collect::<Vec<_>>(),
     });
-    let rows: Vec<Value> = drives()
-        .map(|(drive, sampled)| row_value(drive, sampled, &axes, moment))
-        .collect();
+    let rows: Vec<Value> =
+        drives().map(|(drive, sampled)| row_value(drive, sampled, &axes, moment)).collect();
     let straight = player.drives.iter().any(|d| d.centre_line.is_none());
     let html = fill(
         "player.html",
@@ -108,11 +107,7 @@ pub fn player(player: &WatchPlayer, context: &Context) -> Result<PlayerFragment,
             data => Value::from_safe_string(data.to_string().replace('<', "\\u003c")),
         },
     )?;
-    Ok(PlayerFragment {
-        html,
-        style: style(player, context),
-        script: include_str!("player.js"),
-    })
+    Ok(PlayerFragment { html, style: style(player, context), script: include_str!("player.js") })
 }
 
 /// A page of its own around a player: one file that needs nothing else. `provenance` is listed at its foot, as plain text.
@@ -125,11 +120,7 @@ pub fn watch_page(
     provenance: &[(String, String)],
 ) -> Result<String, ReportError> {
     let fragment = player(drives, context)?;
-    let PlayerFragment {
-        html,
-        style,
-        script,
-    } = fragment;
+    let PlayerFragment { html, style, script } = fragment;
     fill(
         "watch.html",
         context! {
@@ -148,11 +139,7 @@ pub fn watch_page(
 fn style(player: &WatchPlayer, context: &Context) -> String {
     let mut context = context.clone();
     for drive in &player.drives {
-        if context
-            .conditions
-            .iter()
-            .all(|look| look.id != drive.condition)
-        {
+        if context.conditions.iter().all(|look| look.id != drive.condition) {
             let look = context.look(drive.condition);
             context.conditions.push(look);
         }
@@ -191,11 +178,7 @@ fn drive_data(drive: &PlayerDrive, sampled: &Sampled) -> serde_json::Value {
         json!([car.id, car.run.first, car.run.count, length, width])
     });
     let line = drive.centre_line.as_ref().map(|line| {
-        json!([
-            rounded(line.start_m - start_m),
-            rounded(line.step_m),
-            line.map_m.len()
-        ])
+        json!([rounded(line.start_m - start_m), rounded(line.step_m), line.map_m.len()])
     });
     let bytes = Packer::default().drive(drive, sampled, start_m);
     json!({
@@ -294,10 +277,7 @@ const ASIDE_M: f64 = 1.8;
 fn aside(sampled: &Sampled, sample: usize) -> bool {
     let offset_m = sampled.reference[sample].and_then(|id| {
         let shows = |run: &Run| (run.first..run.first + run.count).contains(&sample);
-        let car = sampled
-            .seen
-            .iter()
-            .find(|seen| seen.id == id && shows(&seen.run))?;
+        let car = sampled.seen.iter().find(|seen| seen.id == id && shows(&seen.run))?;
         Some(car.y_m[sample - car.run.first] - sampled.y_m[sample])
     });
     offset_m.is_some_and(|dy| dy.abs() > ASIDE_M)

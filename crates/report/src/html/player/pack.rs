@@ -97,10 +97,7 @@ fn runs(samples: usize, holds: impl Fn(usize) -> bool) -> Vec<Run> {
     for sample in (0..samples).filter(|&sample| holds(sample)) {
         match out.last_mut() {
             Some(run) if run.first + run.count == sample => run.count += 1,
-            _ => out.push(Run {
-                first: sample,
-                count: 1,
-            }),
+            _ => out.push(Run { first: sample, count: 1 }),
         }
     }
     out
@@ -141,10 +138,7 @@ pub(super) fn sample(drive: &PlayerDrive) -> Sampled {
         runs: runs(places.len(), |sample| places[sample].is_some()),
         y_m: column(&drive.ego.y_m),
         speed_mps: column(&drive.speed_mps),
-        gap_m: places
-            .iter()
-            .map(|place| nearest(place).and_then(|row| drive.gap_m[row]))
-            .collect(),
+        gap_m: places.iter().map(|place| nearest(place).and_then(|row| drive.gap_m[row])).collect(),
         reference: places
             .iter()
             .map(|place| nearest(place).and_then(|row| drive.reference[row]))
@@ -176,10 +170,7 @@ impl Packer {
         quantum: f64,
         order: usize,
     ) {
-        self.integers(
-            values.into_iter().map(|v| (v / quantum).round() as i64),
-            order,
-        );
+        self.integers(values.into_iter().map(|v| (v / quantum).round() as i64), order);
     }
 
     fn integers(&mut self, values: impl IntoIterator<Item = i64>, order: usize) {
@@ -213,9 +204,7 @@ impl Packer {
             let speed = sampled.speed_mps[rows.clone()].iter().copied();
             self.column(speed, SPEED_QUANTUM_MPS, 1);
             let gap = sampled.gap_m[rows].iter().map(|gap| {
-                gap.map_or(NO_GAP, |g| {
-                    ((g / GAP_QUANTUM_M).round() as i64).max(NO_GAP + 1)
-                })
+                gap.map_or(NO_GAP, |g| ((g / GAP_QUANTUM_M).round() as i64).max(NO_GAP + 1))
             });
             self.integers(gap, 1);
         }

@@ -51,16 +51,12 @@ impl Axes {
     pub(super) fn new(drives: &[Sampled], unit: SpeedUnit) -> Self {
         let longest = drives.iter().map(|d| d.samples - 1).max().unwrap_or(0);
         let duration_s = (longest as f64 / SAMPLES_PER_S).max(1.0 / SAMPLES_PER_S);
-        let steps = [
-            1.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0,
-        ];
+        let steps = [1.0, 5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0];
         let fits = steps.into_iter().find(|step| duration_s / step <= 10.5);
         let speeds = || {
             let speeds_of = |d: &Sampled| {
                 let there = (0..d.samples).filter(|&i| d.has(i));
-                there
-                    .map(|i| d.speed_mps[i] * unit.per_mps())
-                    .collect::<Vec<_>>()
+                there.map(|i| d.speed_mps[i] * unit.per_mps()).collect::<Vec<_>>()
             };
             drives.iter().flat_map(speeds_of)
         };
@@ -95,17 +91,12 @@ pub(super) fn timeline(sampled: &Sampled, axes: &Axes) -> String {
         let _ = write!(out, "M0 {y}H{WIDTH}");
     }
     out.push_str("\"/>");
-    let stride = sampled
-        .samples
-        .div_ceil(MOST_POINTS)
-        .max(SAMPLES_PER_S as usize / 2);
+    let stride = sampled.samples.div_ceil(MOST_POINTS).max(SAMPLES_PER_S as usize / 2);
     let (low, high) = axes.speed;
     let height = |(top, bottom): (f64, f64), share: f64| bottom - share * (bottom - top);
     let speed = |i: usize| {
         let read = sampled.speed_mps[i] * axes.unit.per_mps();
-        sampled
-            .has(i)
-            .then(|| height(SPEED, (read - low) / (high - low)))
+        sampled.has(i).then(|| height(SPEED, (read - low) / (high - low)))
     };
     let gap = |i: usize| {
         let gap = sampled.gap_m[i].filter(|gap| sampled.has(i) && (0.0..=GAP_AXIS_M).contains(gap));
@@ -151,22 +142,10 @@ mod tests {
         let behind = hole + 2;
         Sampled {
             samples: n,
-            runs: vec![
-                Run {
-                    first: 0,
-                    count: hole,
-                },
-                Run {
-                    first: behind,
-                    count: n - behind,
-                },
-            ],
+            runs: vec![Run { first: 0, count: hole }, Run { first: behind, count: n - behind }],
             x_m: vec![0.0; n],
             y_m: vec![0.0; n],
-            speed_mps: speed_mph
-                .iter()
-                .map(|v| v / SpeedUnit::Mph.per_mps())
-                .collect(),
+            speed_mps: speed_mph.iter().map(|v| v / SpeedUnit::Mph.per_mps()).collect(),
             gap_m: gap_m.to_vec(),
             reference: vec![None; n],
             seen: Vec::new(),
@@ -210,12 +189,7 @@ mod tests {
         let mut expected = String::new();
         for i in (0..21).step_by(2).filter(|i| *i != 10) {
             let letter = if i == 0 || i == 12 { 'M' } else { 'L' };
-            let _ = write!(
-                expected,
-                "{letter}{:.1} {:.1}",
-                50.0 * f64::from(i),
-                y(f64::from(i))
-            );
+            let _ = write!(expected, "{letter}{:.1} {:.1}", 50.0 * f64::from(i), y(f64::from(i)));
         }
         assert_eq!(path("pl-speed"), expected);
         let expected =

@@ -30,11 +30,7 @@ impl CentreLine {
         let (from, to) = (heading(index), heading(index + 1));
         let turn = (to - from + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
             - std::f64::consts::PI;
-        (
-            a.0 + share * (b.0 - a.0),
-            a.1 + share * (b.1 - a.1),
-            from + share.clamp(0.0, 1.0) * turn,
-        )
+        (a.0 + share * (b.0 - a.0), a.1 + share * (b.1 - a.1), from + share.clamp(0.0, 1.0) * turn)
     }
 }
 
@@ -66,11 +62,7 @@ pub(super) fn half_height_m(drive: &PlayerDrive) -> f64 {
 
 /// Times as wide as long.
 pub(super) fn stretch(drive: &PlayerDrive) -> f64 {
-    if drive.centre_line.is_some() {
-        1.0
-    } else {
-        STRETCH
-    }
+    if drive.centre_line.is_some() { 1.0 } else { STRETCH }
 }
 
 #[cfg(test)]
@@ -82,28 +74,14 @@ mod tests {
     fn bend() -> CentreLine {
         let place = |i: u32| {
             let angle = f64::from(i) / 200.0;
-            (
-                1000.0 + 200.0 * angle.sin(),
-                50.0 + 200.0 * (1.0 - angle.cos()),
-            )
+            (1000.0 + 200.0 * angle.sin(), 50.0 + 200.0 * (1.0 - angle.cos()))
         };
-        CentreLine {
-            start_m: 30.0,
-            step_m: 1.0,
-            map_m: (0..=400).map(place).collect(),
-        }
+        CentreLine { start_m: 30.0, step_m: 1.0, map_m: (0..=400).map(place).collect() }
     }
 
     fn near(found: (f64, f64, f64), expected: (f64, f64, f64)) {
-        let apart = [
-            found.0 - expected.0,
-            found.1 - expected.1,
-            50.0 * (found.2 - expected.2),
-        ];
-        assert!(
-            apart.iter().all(|d| d.abs() < 0.02),
-            "{found:?} instead of {expected:?}"
-        );
+        let apart = [found.0 - expected.0, found.1 - expected.1, 50.0 * (found.2 - expected.2)];
+        assert!(apart.iter().all(|d| d.abs() < 0.02), "{found:?} instead of {expected:?}");
     }
 
     #[test]
@@ -111,22 +89,15 @@ mod tests {
         let line = bend();
         for s in [20.0, 100.25, 300.5] {
             let angle: f64 = s / 200.0;
-            let expected = (
-                1000.0 + 200.0 * angle.sin(),
-                50.0 + 200.0 * (1.0 - angle.cos()),
-                angle,
-            );
+            let expected =
+                (1000.0 + 200.0 * angle.sin(), 50.0 + 200.0 * (1.0 - angle.cos()), angle);
             near(line.at(30.0 + s), expected);
         }
         let (east, north, heading) = line.at(20.0);
         assert!((east - 990.0).abs() < 0.1 && (north - 50.0).abs() < 0.1 && heading.abs() < 0.01);
         // The last piece's direction is that of its middle.
         let (end, turned) = (line.at(430.0), 2.0_f64 - 0.5 / 200.0);
-        let beyond = (
-            end.0 + 10.0 * turned.cos(),
-            end.1 + 10.0 * turned.sin(),
-            turned,
-        );
+        let beyond = (end.0 + 10.0 * turned.cos(), end.1 + 10.0 * turned.sin(), turned);
         near(line.at(440.0), beyond);
     }
 
@@ -150,11 +121,7 @@ mod tests {
             at = (at.0 + heading.cos(), at.1 + heading.sin());
             here
         });
-        let line = CentreLine {
-            start_m: 0.0,
-            step_m: 1.0,
-            map_m: map_m.collect(),
-        };
+        let line = CentreLine { start_m: 0.0, step_m: 1.0, map_m: map_m.collect() };
         for x in 1..29 {
             let (_, _, heading) = line.at(f64::from(x) + 0.5);
             let expected: f64 = 3.0 + 0.01 * f64::from(x);

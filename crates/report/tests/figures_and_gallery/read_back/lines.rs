@@ -11,10 +11,7 @@ fn lines_begin_and_end_where_their_numbers_do() {
     let mut read = 0;
     for (panel, term) in terms.filter(|(_, term)| !logarithmic(&term.train)) {
         let epochs = term.train.len();
-        for point in [
-            (1.0, term.train[0]),
-            (epochs as f64, term.train[epochs - 1]),
-        ] {
+        for point in [(1.0, term.train[0]), (epochs as f64, term.train[epochs - 1])] {
             Drawn::Line(point).check(&panel, &term.title);
             read += 1;
         }
@@ -27,18 +24,11 @@ fn lines_begin_and_end_where_their_numbers_do() {
     let recorded = &drive.series[0];
     let first = |values: &[f64]| vec![Drawn::Line((0.0, values[0]))];
     assert!(time.len() > 800, "long enough to be thinned");
-    read_back(
-        &figure,
-        &[first(&recorded.gap_m), first(&recorded.speed_mps)],
-    );
+    read_back(&figure, &[first(&recorded.gap_m), first(&recorded.speed_mps)]);
 
     let overview = kinds::drive_overview::input();
     let figure = figures::drive_overview(&overview, &context()).unwrap();
-    let time: Vec<f64> = overview
-        .time_s
-        .iter()
-        .map(|t| t - overview.time_s[0])
-        .collect();
+    let time: Vec<f64> = overview.time_s.iter().map(|t| t - overview.time_s[0]).collect();
     let hole = overview.segment.partition_point(|segment| *segment == 0);
     // Both sides of the hole.
     let beside = |values: &[f64]| [hole - 1, hole].map(|row| Drawn::Line((time[row], values[row])));
@@ -55,10 +45,7 @@ fn lines_begin_and_end_where_their_numbers_do() {
     let figure = figures::time_space(&diagram, &context()).unwrap();
     let (first, last) = (0, diagram.ego.x_m.len() - 1);
     let length = diagram.ego.time_s[last] - diagram.ego.time_s[first];
-    read_back(
-        &figure,
-        &[vec![Drawn::Line((0.0, 0.0)), Drawn::Line((length, 0.0))]],
-    );
+    read_back(&figure, &[vec![Drawn::Line((0.0, 0.0)), Drawn::Line((length, 0.0))]]);
 }
 
 #[test]

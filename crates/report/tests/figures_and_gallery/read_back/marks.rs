@@ -3,11 +3,7 @@
 use super::*;
 
 fn interval(x: f64, [value, low, high]: [f64; 3]) -> [Drawn; 3] {
-    [
-        Drawn::Mark((x, value)),
-        Drawn::Line((x, low)),
-        Drawn::Line((x, high)),
-    ]
+    [Drawn::Mark((x, value)), Drawn::Line((x, low)), Drawn::Line((x, high))]
 }
 
 #[test]
@@ -19,11 +15,7 @@ fn points_lie_where_both_their_numbers_say() {
 
     let line = kinds::aggression_line::input();
     let figure = figures::aggression_line(&line, &context()).unwrap();
-    let expected: Vec<_> = line
-        .panels
-        .iter()
-        .map(|panel| marks(&panel.points))
-        .collect();
+    let expected: Vec<_> = line.panels.iter().map(|panel| marks(&panel.points)).collect();
     read_back(&figure, &expected);
 
     let round = kinds::perpendicular::input();
@@ -31,11 +23,8 @@ fn points_lie_where_both_their_numbers_say() {
     let place = |p: &figures::perpendicular::AngleChange| {
         Drawn::Mark((p.angle_rad.to_degrees().rem_euclid(360.0), p.change))
     };
-    let expected: Vec<Vec<_>> = round
-        .panels
-        .iter()
-        .map(|panel| panel.points.iter().map(place).collect())
-        .collect();
+    let expected: Vec<Vec<_>> =
+        round.panels.iter().map(|panel| panel.points.iter().map(place).collect()).collect();
     read_back(&figure, &expected);
 }
 
@@ -45,9 +34,7 @@ fn upright_intervals_have_their_mark_and_both_their_ends() {
     let figure = figures::curves(&curves, &context()).unwrap();
     let expected = curves.panels.iter().map(|panel| {
         let points = panel.curves.iter().flatten();
-        points
-            .flat_map(|p| interval(p.x, [p.y, p.low, p.high]))
-            .collect()
+        points.flat_map(|p| interval(p.x, [p.y, p.low, p.high])).collect()
     });
     read_back(&figure, &expected.collect::<Vec<_>>());
 
@@ -55,9 +42,7 @@ fn upright_intervals_have_their_mark_and_both_their_ends() {
     let figure = figures::learning_curve(&learning, &context()).unwrap();
     let expected = learning.panels.iter().map(|panel| {
         let points = panel.points.iter();
-        points
-            .flat_map(|p| interval(p.minutes, [p.mean, p.low, p.high]))
-            .collect()
+        points.flat_map(|p| interval(p.minutes, [p.mean, p.low, p.high])).collect()
     });
     read_back(&figure, &expected.collect::<Vec<_>>());
 
@@ -72,17 +57,11 @@ fn upright_intervals_have_their_mark_and_both_their_ends() {
     let sweep = kinds::dial_sweep::input();
     let figure = figures::dial_sweep(&sweep, &context()).unwrap();
     let expected = sweep.panels.iter().map(|panel| {
-        let whole: Vec<Vec<f64>> = panel
-            .drivers
-            .iter()
-            .filter_map(|d| d.iter().copied().collect())
-            .collect();
+        let whole: Vec<Vec<f64>> =
+            panel.drivers.iter().filter_map(|d| d.iter().copied().collect()).collect();
         let mean = |step: usize| whole.iter().map(|d| d[step]).sum::<f64>() / whole.len() as f64;
-        let means = sweep
-            .points
-            .iter()
-            .enumerate()
-            .map(|(step, at)| Drawn::Mark((*at, mean(step))));
+        let means =
+            sweep.points.iter().enumerate().map(|(step, at)| Drawn::Mark((*at, mean(step))));
         means.collect()
     });
     read_back(&figure, &expected.collect::<Vec<_>>());
@@ -92,12 +71,10 @@ fn upright_intervals_have_their_mark_and_both_their_ends() {
 fn bars_boxes_and_clouds_reach_as_far_as_their_numbers() {
     let bars = kinds::preference::input();
     let figure = figures::preference(&bars, &context()).unwrap();
-    let shares = bars.scales.iter().flat_map(|scale| {
-        scale
-            .above
-            .iter()
-            .map(|k| 100.0 * *k as f64 / scale.n as f64)
-    });
+    let shares = bars
+        .scales
+        .iter()
+        .flat_map(|scale| scale.above.iter().map(|k| 100.0 * *k as f64 / scale.n as f64));
     read_back(&figure, &[shares.map(Drawn::CornerAtY).collect()]);
 
     let residuals = kinds::residuals::input();
@@ -112,11 +89,7 @@ fn bars_boxes_and_clouds_reach_as_far_as_their_numbers() {
     let figure = figures::comparison(&cells, &context()).unwrap();
     let expected = cells.panels.iter().map(|panel| {
         let people = panel.rows.iter().flatten().flatten().copied();
-        let means = panel
-            .cells
-            .iter()
-            .filter_map(|cell| cell.mean)
-            .map(|mean| mean[0]);
+        let means = panel.cells.iter().filter_map(|cell| cell.mean).map(|mean| mean[0]);
         people.chain(means).map(Drawn::MarkAtY).collect()
     });
     read_back(&figure, &expected.collect::<Vec<_>>());

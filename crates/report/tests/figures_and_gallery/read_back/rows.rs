@@ -3,11 +3,7 @@
 use super::*;
 
 fn row_interval([value, low, high]: [f64; 3], row: usize) -> [Drawn; 3] {
-    [
-        Drawn::InRow(value, row),
-        Drawn::EndInRow(low, row),
-        Drawn::EndInRow(high, row),
-    ]
+    [Drawn::InRow(value, row), Drawn::EndInRow(low, row), Drawn::EndInRow(high, row)]
 }
 
 #[test]
@@ -15,9 +11,7 @@ fn rows_hold_their_estimates_and_both_ends_of_their_intervals() {
     let forest = kinds::forest::input();
     let figure = figures::forest(&forest, &context()).unwrap();
     let rows = forest.rows.iter().enumerate();
-    let expected = rows
-        .flat_map(|(i, row)| row_interval(row.estimate.unwrap(), i))
-        .collect();
+    let expected = rows.flat_map(|(i, row)| row_interval(row.estimate.unwrap(), i)).collect();
     read_back(&figure, &[expected]);
 
     let few = kinds::intervals::input();
@@ -25,13 +19,9 @@ fn rows_hold_their_estimates_and_both_ends_of_their_intervals() {
     let rows = few.rows.iter().enumerate();
     let expected = rows.flat_map(|(i, row)| {
         let (low, high) = row.interval.unwrap();
-        let others = [
-            Drawn::EndInRow(row.floor.unwrap(), i),
-            Drawn::InRow(row.ceiling.unwrap(), i),
-        ];
-        row_interval([row.estimate.unwrap(), low, high], i)
-            .into_iter()
-            .chain(others)
+        let others =
+            [Drawn::EndInRow(row.floor.unwrap(), i), Drawn::InRow(row.ceiling.unwrap(), i)];
+        row_interval([row.estimate.unwrap(), low, high], i).into_iter().chain(others)
     });
     read_back(&figure, &[expected.collect()]);
 
@@ -48,9 +38,7 @@ fn rows_hold_their_estimates_and_both_ends_of_their_intervals() {
     let figure = figures::fidelity(&fidelity, &context()).unwrap();
     let rows = fidelity.measures.iter().enumerate();
     let expected = rows.flat_map(|(i, row)| {
-        let series = [Some(row.car), row.test_retest, row.population]
-            .into_iter()
-            .flatten();
+        let series = [Some(row.car), row.test_retest, row.population].into_iter().flatten();
         let paper = row.paper.map(|share| Drawn::InRow(100.0 * share, i));
         series
             .flat_map(move |a| row_interval([a.mean, a.low, a.high].map(|v| 100.0 * v), i))
@@ -74,13 +62,11 @@ fn rows_hold_their_estimates_and_both_ends_of_their_intervals() {
     let expected = errors.models.iter().flat_map(|model| {
         let short = model.model == figures::car_following::Follower::IdmPopulation;
         let errors = model.gap_rmse_m.iter().enumerate();
-        errors.map(move |(i, error)| {
-            if short {
-                Drawn::EndInRow(*error, i)
-            } else {
-                Drawn::InRow(*error, i)
-            }
-        })
+        errors.map(
+            move |(i, error)| {
+                if short { Drawn::EndInRow(*error, i) } else { Drawn::InRow(*error, i) }
+            },
+        )
     });
     read_back(&figure, &[expected.collect()]);
 
@@ -92,10 +78,7 @@ fn rows_hold_their_estimates_and_both_ends_of_their_intervals() {
         let mean = variants.map(|(i, variant)| {
             let pairs = variant.losses[loss].iter().zip(reference);
             let differences: Vec<f64> = pairs.filter_map(|(a, b)| Some((*a)? - (*b)?)).collect();
-            Drawn::InRow(
-                differences.iter().sum::<f64>() / differences.len() as f64,
-                i,
-            )
+            Drawn::InRow(differences.iter().sum::<f64>() / differences.len() as f64, i)
         });
         mean.collect()
     });

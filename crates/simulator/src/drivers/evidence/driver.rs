@@ -124,16 +124,9 @@ impl<'a> EvidenceDriver<'a> {
             let back = self.merging.next(p, scene, &self.road, lane - 1, error);
             manoeuvre = (back && keeping).then(|| self.change_to(lane - 1));
         }
-        follow.idm.desired_speed_mps = follow
-            .idm
-            .desired_speed_mps
-            .min(bend_mps)
-            .max(caution::SLOWEST_MPS);
-        let lean = if may_pass && lane == 0 {
-            readiness
-        } else {
-            0.0
-        };
+        follow.idm.desired_speed_mps =
+            follow.idm.desired_speed_mps.min(bend_mps).max(caution::SLOWEST_MPS);
+        let lean = if may_pass && lane == 0 { readiness } else { 0.0 };
         let wanted = follow.acceleration_mps2(speed, seen);
         let braking = caution::emergency_braking_mps2(scene, self.vehicle.width_m);
         Action {
@@ -144,9 +137,6 @@ impl<'a> EvidenceDriver<'a> {
     }
 
     fn change_to(&self, lane: u8) -> Manoeuvre {
-        Manoeuvre::Change {
-            lane,
-            duration_s: self.params.lane_change_s,
-        }
+        Manoeuvre::Change { lane, duration_s: self.params.lane_change_s }
     }
 }

@@ -27,11 +27,7 @@ pub(super) struct Merging {
 
 impl Merging {
     pub(super) fn new(params: &EvidenceParams, rng: Pcg64Mcg) -> Self {
-        Self {
-            rng,
-            gap_m: params.merge_back_gap_m,
-            there_for_s: 0.0,
-        }
+        Self { rng, gap_m: params.merge_back_gap_m, there_for_s: 0.0 }
     }
 
     /// A pass begins.

@@ -140,13 +140,7 @@ impl Draw {
     }
 
     fn bent(&self, name: &str, law: &BentLaw) -> f64 {
-        let loadings = [
-            law.aggressiveness,
-            law.spacing,
-            law.pace,
-            law.patience,
-            law.looseness,
-        ];
+        let loadings = [law.aggressiveness, law.spacing, law.pace, law.patience, law.looseness];
         let shared: f64 = loadings
             .iter()
             .zip(self.latents)
@@ -173,11 +167,7 @@ impl EvidencePopulation {
             normal(person_seed, "latent", "patience"),
             normal(person_seed, "latent", "looseness"),
         ];
-        self.person(&Draw {
-            latents: latents.map(latent),
-            person_seed,
-            day_seed,
-        })
+        self.person(&Draw { latents: latents.map(latent), person_seed, day_seed })
     }
 }
 
@@ -212,10 +202,7 @@ mod tests {
     fn a_loading_bends_at_the_average() {
         let p = population();
         let speed = |a| {
-            let traits = LatentTraits {
-                aggressiveness: a,
-                ..LatentTraits::default()
-            };
+            let traits = LatentTraits { aggressiveness: a, ..LatentTraits::default() };
             p.draw(&traits, 1, 1).desired_speed_mps
         };
         let (down, up) = (speed(0.0) - speed(-1.0), speed(1.0) - speed(0.0));
@@ -225,19 +212,13 @@ mod tests {
     #[test]
     fn odd_latents_stay_within_their_laws_and_odd_laws_are_refused() {
         let p = population();
-        let odd = LatentTraits {
-            aggressiveness: f64::NAN,
-            spacing: f64::INFINITY,
-            pace: -1e300,
-        };
+        let odd = LatentTraits { aggressiveness: f64::NAN, spacing: f64::INFINITY, pace: -1e300 };
         let driver = p.draw(&odd, 1, 1);
         let law = &p.following_time_gap_s;
         assert!((law.lowest..=law.highest).contains(&driver.following_time_gap_s));
         let mut wrong = population();
         wrong.weave_sd_m.highest = 3.0;
-        let error = check_section("evidence", wrong.as_ref())
-            .unwrap_err()
-            .to_string();
+        let error = check_section("evidence", wrong.as_ref()).unwrap_err().to_string();
         assert!(error.contains("evidence.weave_sd_m.highest"), "{error}");
     }
 }

@@ -29,12 +29,7 @@ pub(super) struct Urge {
 
 impl Urge {
     pub(super) fn new(rng: Pcg64Mcg) -> Self {
-        Self {
-            rng,
-            lead: None,
-            evidence: 0.0,
-            behind_for_s: 0.0,
-        }
+        Self { rng, lead: None, evidence: 0.0, behind_for_s: 0.0 }
     }
 
     /// How near the evidence is to its threshold after this moment: 1 or above, the person wants to pass now.

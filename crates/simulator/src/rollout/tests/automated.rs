@@ -12,11 +12,7 @@ fn passing(speed_mps: f64) -> impl FnMut(&View<'_>) -> Setpoints {
             (true, false) if gap_s < -1.4 => LaneWish::MoveBack(When::Now),
             _ => LaneWish::Stay,
         };
-        Setpoints {
-            speed_mps,
-            following_distance_m: 1.2 * s.scene.ego.speed_mps,
-            wish,
-        }
+        Setpoints { speed_mps, following_distance_m: 1.2 * s.scene.ego.speed_mps, wish }
     }
 }
 
@@ -47,39 +43,18 @@ fn the_trace_says_what_was_asked_and_where_the_car_goes() {
     let scenario = empty_road(120.0, vec![placed(200.0, 0, 24.0)]);
     let passed = automated(&scenario, passing(30.0), 1);
     assert_eq!(passed.trace.len(), passed.recording.rows());
-    assert!(
-        passed
-            .trace
-            .iter()
-            .all(|row| (row.asked.speed_mps - 30.0).abs() < 1e-12)
-    );
-    let first = passed
-        .trace
-        .iter()
-        .find(|row| row.path_m.is_some())
-        .unwrap();
+    assert!(passed.trace.iter().all(|row| (row.asked.speed_mps - 30.0).abs() < 1e-12));
+    let first = passed.trace.iter().find(|row| row.path_m.is_some()).unwrap();
     assert_eq!(first.lane, LaneActivity::Changing);
     let path = first.path_m.unwrap();
-    assert!(
-        path[0].1.abs() < 0.1 && (path[3].1 - 3.66).abs() < 1e-9,
-        "{path:?}"
-    );
+    assert!(path[0].1.abs() < 0.1 && (path[3].1 - 3.66).abs() < 1e-9, "{path:?}");
     let person = person(0.0, 0.0, 0.0, 1);
-    assert!(
-        rollout(&scenario, Driver::Human(&person), 1)
-            .unwrap()
-            .trace
-            .is_empty()
-    );
+    assert!(rollout(&scenario, Driver::Human(&person), 1).unwrap().trace.is_empty());
 }
 
 #[test]
 fn the_car_waits_while_the_passing_lane_is_taken() {
-    let beside = vec![
-        placed(45.0, 0, 24.5),
-        placed(8.0, 1, 24.5872),
-        placed(-14.0, 1, 24.5872),
-    ];
+    let beside = vec![placed(45.0, 0, 24.5), placed(8.0, 1, 24.5872), placed(-14.0, 1, 24.5872)];
     let scenario = empty_road(40.0, beside);
     let waited = automated(&scenario, passing(24.7), 1);
     assert_eq!(drive(&waited).lane_changes().len(), 0);
@@ -152,13 +127,7 @@ fn a_person_and_the_car_pass_on_the_middle_lanes_of_a_bending_road() {
         for driven in [by_person, by_car] {
             let first = drive(&driven).lane_changes()[0];
             assert_eq!(first.direction, Direction::Left);
-            let reached = driven
-                .recording
-                .ego()
-                .y_m
-                .iter()
-                .copied()
-                .fold(0.0, f64::max);
+            let reached = driven.recording.ego().y_m.iter().copied().fold(0.0, f64::max);
             assert_eq!(driven.recording.road().nearest_lane(reached), lane + 1);
             assert_eq!(driven.report.collisions, 0);
         }
@@ -181,21 +150,14 @@ fn a_car_off_the_road_slides_along_the_barrier_and_is_counted_once() {
     let scenario = empty_road(10.0, Vec::new());
     let slides = |steering: f64| {
         let mut session = Session::new(&scenario, Driver::Hands, 1).unwrap();
-        let hands = Hands {
-            steering,
-            throttle: 0.3,
-            brake: 0.0,
-        };
+        let hands = Hands { steering, throttle: 0.3, brake: 0.0 };
         while session.tick(hands) {}
         let driven = session.finish().unwrap();
         let ego = driven.recording.ego();
         assert!(ego.speed_mps.last() < ego.speed_mps.first());
         assert_eq!(driven.report.barrier_touches, 1);
         let furthest = ego.y_m.iter().copied();
-        (
-            furthest.clone().fold(0.0, f64::min),
-            furthest.fold(0.0, f64::max),
-        )
+        (furthest.clone().fold(0.0, f64::min), furthest.fold(0.0, f64::max))
     };
     // Half a lane and a shoulder of 3 m to the right, one and a half lanes and 1.2 m to the left, less half a car of 1.9 m.
     let (right, left) = (slides(-0.05).0, slides(0.05).1);
@@ -218,10 +180,7 @@ fn a_set_point_that_is_no_number_ends_the_drive_and_says_when() {
         let driven = automated(&Scenario::paper(), planner, 1);
         assert_eq!(driven.recording.rows(), rows);
         let error = driven.completed().unwrap_err().to_string();
-        let moment = format!(
-            "`following_distance_m` = NaN at {} s",
-            f64::from(row) / 20.0
-        );
+        let moment = format!("`following_distance_m` = NaN at {} s", f64::from(row) / 20.0);
         assert!(error.contains(&moment), "{error}");
     }
     let whole = automated(&empty_road(5.0, vec![]), always(25.0, 30.0), 1);
@@ -231,10 +190,7 @@ fn a_set_point_that_is_no_number_ends_the_drive_and_says_when() {
 #[test]
 fn controller_settings_out_of_range_are_refused() {
     let mut planner = always(30.0, 30.0);
-    let settings = ControllerSettings {
-        gap_gain_per_s2: -1.0,
-        ..ControllerSettings::default()
-    };
+    let settings = ControllerSettings { gap_gain_per_s2: -1.0, ..ControllerSettings::default() };
     let driver = Driver::Automated(&mut planner, &settings);
     let error = rollout(&Scenario::paper(), driver, 1).unwrap_err();
     assert!(error.to_string().contains("controllers.gap_gain_per_s2"));

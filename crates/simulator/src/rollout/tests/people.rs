@@ -20,10 +20,7 @@ fn people_meet_six_leads_and_hit_none() {
         let driver = person(0.3 * seed as f64 - 1.2, 0.0, 0.0, seed);
         let driven = rollout(&Scenario::paper(), Driver::Human(&driver), seed).unwrap();
         assert_eq!(driven.report.collisions, 0);
-        assert_eq!(
-            (driven.report.leads, driven.report.blocked_encounters),
-            (6, 2)
-        );
+        assert_eq!((driven.report.leads, driven.report.blocked_encounters), (6, 2));
         assert!(drive(&driven).lane_changes().len() >= 2);
     }
 }

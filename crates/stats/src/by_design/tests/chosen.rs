@@ -6,13 +6,8 @@ use crate::apa::Statements;
 #[test]
 fn one_factor_within_is_the_comparison() {
     let made = made().rows(|i| i / 2 % 2 == 0);
-    let data = DesignColumns {
-        within: vec![("mode", &made.mode)],
-        ..made.columns()
-    };
-    let ByDesign::OneFactor(found) = run(&data) else {
-        panic!("one factor")
-    };
+    let data = DesignColumns { within: vec![("mode", &made.mode)], ..made.columns() };
+    let ByDesign::OneFactor(found) = run(&data) else { panic!("one factor") };
     let table = crate::WithinSubjects::from_long(&made.people, &made.mode, &made.value).unwrap();
     assert_eq!(*found, compare(&table, 0.05).unwrap());
     assert_eq!(found.chosen, OmnibusTest::PairedT, "{:?}", found.reasons);
@@ -23,20 +18,14 @@ fn one_factor_within_is_the_comparison() {
 fn two_factors_within_and_one_of_each_kind_are_factorial() {
     let made = made();
     for (within, between) in [
-        (
-            vec![("mode", &made.mode[..]), ("road", &made.road[..])],
-            vec![],
-        ),
+        (vec![("mode", &made.mode[..]), ("road", &made.road[..])], vec![]),
         (
             vec![("mode", &made.mode[..]), ("road", &made.road[..])],
             vec![("vehicle", &made.vehicle[..])],
         ),
     ] {
-        let data = DesignColumns {
-            within: within.clone(),
-            between: between.clone(),
-            ..made.columns()
-        };
+        let data =
+            DesignColumns { within: within.clone(), between: between.clone(), ..made.columns() };
         let found = factorial_of(run(&data));
         let design =
             crate::FactorialDesign::from_columns(&made.people, &within, &between, &made.value)
@@ -71,36 +60,19 @@ fn residuals_that_are_not_normal_have_the_ranks_of_their_contrasts() {
         Err(StatsError::DoubleCell { .. })
     ));
     let value: Vec<_> = (0..48).map(|i| Some((3.0 * noise(i)).exp())).collect();
-    let data = DesignColumns {
-        values: &value,
-        ..made.grouped()
-    };
+    let data = DesignColumns { values: &value, ..made.grouped() };
     let found = run(&data);
-    let ByDesign::Factorial(inner) = &found else {
-        panic!("two factors")
-    };
+    let ByDesign::Factorial(inner) = &found else { panic!("two factors") };
     assert_eq!(inner.chosen, ChosenTest::Ranks);
-    assert!(
-        inner.reasons[0].contains("not normal"),
-        "{:?}",
-        inner.reasons
-    );
+    assert!(inner.reasons[0].contains("not normal"), "{:?}", inner.reasons);
     let test = |name: &str| inner.found.tests.get(name).unwrap();
     assert_eq!(found.effects()[0].1, test("vehicle").p);
     // The vehicles' ranks are those of the subjects' means.
-    let means: Vec<_> = value
-        .chunks(4)
-        .map(|cells| cells.iter().copied().sum())
-        .collect();
-    let vehicle: Vec<String> = (0..12)
-        .map(|i| ["car", "truck"][i % 2].to_owned())
-        .collect();
+    let means: Vec<_> = value.chunks(4).map(|cells| cells.iter().copied().sum()).collect();
+    let vehicle: Vec<String> = (0..12).map(|i| ["car", "truck"][i % 2].to_owned()).collect();
     let alone = groups(&vehicle, &means).unwrap();
     let alone = alone.mann_whitney.values().next().unwrap();
-    assert_eq!(
-        (test("vehicle").statistic, test("vehicle").p),
-        (Some(alone.u), alone.p)
-    );
+    assert_eq!((test("vehicle").statistic, test("vehicle").p), (Some(alone.u), alone.p));
     // The mode's are those of the differences: rows calm, sporty on each road.
     let pairs: Vec<Vec<f64>> = value
         .chunks(4)
@@ -119,25 +91,14 @@ fn residuals_that_are_not_normal_have_the_ranks_of_their_contrasts() {
 #[test]
 fn groups_are_compared_by_means_or_by_ranks() {
     let made = made().rows(|i| i % 4 == 0);
-    let data = DesignColumns {
-        between: vec![("vehicle", &made.vehicle)],
-        ..made.columns()
-    };
+    let data = DesignColumns { between: vec![("vehicle", &made.vehicle)], ..made.columns() };
     let vehicle: Vec<String> = made.vehicle.iter().flatten().cloned().collect();
     let whole = groups(&vehicle, &made.value).unwrap();
     let found = run(&data);
-    let ByDesign::Groups(inner) = &found else {
-        panic!("groups")
-    };
+    let ByDesign::Groups(inner) = &found else { panic!("groups") };
     assert_eq!((inner.chosen, &inner.found), (ChosenTest::WelchT, &whole));
-    assert_eq!(
-        found.effects()[0].1,
-        whole.welch_t.values().next().unwrap().p
-    );
-    let choice = DesignChoice {
-        scale: OutcomeScale::Ordinal,
-        ..DesignChoice::default()
-    };
+    assert_eq!(found.effects()[0].1, whole.welch_t.values().next().unwrap().p);
+    let choice = DesignChoice { scale: OutcomeScale::Ordinal, ..DesignChoice::default() };
     let ByDesign::Groups(ranked) = compare_by_design(&data, &choice).unwrap() else {
         panic!("groups")
     };
@@ -147,17 +108,11 @@ fn groups_are_compared_by_means_or_by_ranks() {
 #[test]
 fn of_two_groups_the_unpooled_test_is_welchs() {
     let made = made();
-    let value: Vec<_> = (0..48)
-        .map(|i| Some(10.0 + noise(i) * [1.0, 3.0][i / 4 % 2] + (i % 2) as f64))
-        .collect();
-    let data = DesignColumns {
-        values: &value,
-        ..made.grouped()
-    };
+    let value: Vec<_> =
+        (0..48).map(|i| Some(10.0 + noise(i) * [1.0, 3.0][i / 4 % 2] + (i % 2) as f64)).collect();
+    let data = DesignColumns { values: &value, ..made.grouped() };
     let found = factorial_of(run(&data));
-    let vehicle: Vec<String> = (0..12)
-        .map(|i| ["car", "truck"][i % 2].to_owned())
-        .collect();
+    let vehicle: Vec<String> = (0..12).map(|i| ["car", "truck"][i % 2].to_owned()).collect();
     // Sums over the cells, with the sign that each has in the effect.
     for (name, signs) in [
         ("vehicle", [1.0, 1.0, 1.0, 1.0]),
@@ -171,37 +126,21 @@ fn of_two_groups_the_unpooled_test_is_welchs() {
         let welch = groups(&vehicle, &sums).unwrap();
         let welch = welch.welch_t.values().next().unwrap();
         let test = found.found.tests.get(name).unwrap();
-        assert!(
-            (test.statistic.unwrap() / welch.t.unwrap().powi(2) - 1.0).abs() < 1e-9,
-            "{name}"
-        );
+        assert!((test.statistic.unwrap() / welch.t.unwrap().powi(2) - 1.0).abs() < 1e-9, "{name}");
         assert!((test.df1.unwrap() - 1.0).abs() < 1e-9);
-        assert!(
-            (test.df2.unwrap() / welch.df.unwrap() - 1.0).abs() < 1e-9,
-            "{name}"
-        );
-        assert!(
-            (test.p.unwrap() / welch.p.unwrap() - 1.0).abs() < 1e-9,
-            "{name}"
-        );
+        assert!((test.df2.unwrap() / welch.df.unwrap() - 1.0).abs() < 1e-9, "{name}");
+        assert!((test.p.unwrap() / welch.p.unwrap() - 1.0).abs() < 1e-9, "{name}");
     }
 }
 
 #[test]
 fn an_item_with_two_factors_within_takes_the_rank_tests() {
     let made = made();
-    let answers: Vec<_> = (0..48)
-        .map(|i| Some((3.0 + 1.2 * noise(i)).round().clamp(1.0, 5.0)))
-        .collect();
-    let data = DesignColumns {
-        values: &answers,
-        ..made.within()
-    };
+    let answers: Vec<_> =
+        (0..48).map(|i| Some((3.0 + 1.2 * noise(i)).round().clamp(1.0, 5.0))).collect();
+    let data = DesignColumns { values: &answers, ..made.within() };
     let of = |scale| {
-        let choice = DesignChoice {
-            scale,
-            ..DesignChoice::default()
-        };
+        let choice = DesignChoice { scale, ..DesignChoice::default() };
         let found = factorial_of(compare_by_design(&data, &choice).unwrap());
         found.chosen
     };
@@ -222,9 +161,7 @@ fn three_by_three(step: f64) -> Made {
         road: three(|i| i / 3),
         vehicle: Vec::new(),
         age: Vec::new(),
-        value: rows
-            .map(|i| Some((2.5 * noise(i)).exp() + step * (i % 3) as f64))
-            .collect(),
+        value: rows.map(|i| Some((2.5 * noise(i)).exp() + step * (i % 3) as f64)).collect(),
     }
 }
 
@@ -233,20 +170,11 @@ fn larger_interactions_without_a_rank_test_say_so() {
     let found = factorial_of(run(&three_by_three(0.0).within()));
     let test = |name: &str| found.found.tests.get(name).unwrap();
     assert_eq!(test("mode").method, EffectMethod::Friedman);
-    assert_eq!(
-        test("mode:road").method,
-        EffectMethod::StrataGreenhouseGeisser
-    );
+    assert_eq!(test("mode:road").method, EffectMethod::StrataGreenhouseGeisser);
     let gg = found.found.anova.sphericity.get("mode:road").unwrap();
-    assert_eq!(
-        (test("mode:road").epsilon, test("mode:road").p),
-        (gg.gg, gg.p_gg)
-    );
+    assert_eq!((test("mode:road").epsilon, test("mode:road").p), (gg.gg, gg.p_gg));
     assert!(
-        found
-            .reasons
-            .iter()
-            .any(|r| r.starts_with("mode:road: ") && r.contains("no rank test"))
+        found.reasons.iter().any(|r| r.starts_with("mode:road: ") && r.contains("no rank test"))
     );
 }
 
@@ -274,10 +202,7 @@ fn levels_that_everybody_orders_alike_are_tested_by_chi_squared_as_f_has_no_boun
     let (apart, unbounded, sentence, _) = said(0.0);
     assert!(!apart.is_unanimous() && !unbounded);
     assert_eq!((apart.df1, apart.df2), (Some(2.0), Some(22.0)));
-    assert!(
-        sentence.to_string().starts_with("F(2, 22) = "),
-        "{sentence}"
-    );
+    assert!(sentence.to_string().starts_with("F(2, 22) = "), "{sentence}");
 }
 
 #[test]
@@ -285,32 +210,16 @@ fn a_missing_cell_costs_the_subject_or_asks_for_a_mixed_model() {
     let made = made().rows(|i| i / 2 % 2 == 0);
     let mut value = made.value.clone();
     value[3] = None;
-    let data = DesignColumns {
-        within: vec![("mode", &made.mode)],
-        values: &value,
-        ..made.columns()
-    };
+    let data =
+        DesignColumns { within: vec![("mode", &made.mode)], values: &value, ..made.columns() };
     assert_eq!(run(&data).one_factor().unwrap().dropped, ["p1"]);
-    let keep = DesignChoice {
-        missing: MissingCells::Mixed,
-        ..DesignChoice::default()
-    };
+    let keep = DesignChoice { missing: MissingCells::Mixed, ..DesignChoice::default() };
     let ByDesign::Mixed(found) = compare_by_design(&data, &keep).unwrap() else {
         panic!("a missing cell")
     };
-    assert_eq!(
-        (found.found.model.n_obs, found.found.model.n_subjects),
-        (23, 12)
-    );
-    assert!(
-        found.reasons[0].starts_with("1 of the subjects"),
-        "{:?}",
-        found.reasons
-    );
-    let whole = DesignColumns {
-        values: &made.value,
-        ..data
-    };
+    assert_eq!((found.found.model.n_obs, found.found.model.n_subjects), (23, 12));
+    assert!(found.reasons[0].starts_with("1 of the subjects"), "{:?}", found.reasons);
+    let whole = DesignColumns { values: &made.value, ..data };
     let found = compare_by_design(&whole, &keep).unwrap();
     assert!(found.one_factor().is_some() && found.reasons()[0].contains("nobody needs"));
 }
@@ -318,23 +227,12 @@ fn a_missing_cell_costs_the_subject_or_asks_for_a_mixed_model() {
 #[test]
 fn an_item_is_ordinal_and_a_measure_or_a_mean_of_items_is_not() {
     let made = made().rows(|i| i / 2 % 2 == 0);
-    let answers: Vec<_> = (0..24)
-        .map(|i| Some(f64::from((i * 7 + i / 5) % 5) + 1.0))
-        .collect();
-    let data = DesignColumns {
-        within: vec![("mode", &made.mode)],
-        values: &answers,
-        ..made.columns()
-    };
+    let answers: Vec<_> = (0..24).map(|i| Some(f64::from((i * 7 + i / 5) % 5) + 1.0)).collect();
+    let data =
+        DesignColumns { within: vec![("mode", &made.mode)], values: &answers, ..made.columns() };
     let as_what = |scale, values: &[Option<f64>]| {
-        let choice = DesignChoice {
-            scale,
-            ..DesignChoice::default()
-        };
-        let data = DesignColumns {
-            values,
-            ..data.clone()
-        };
+        let choice = DesignChoice { scale, ..DesignChoice::default() };
+        let data = DesignColumns { values, ..data.clone() };
         compare_by_design(&data, &choice).unwrap()
     };
     let ByDesign::Ordinal(found) = as_what(OutcomeScale::Rating, &answers) else {
@@ -342,21 +240,8 @@ fn an_item_is_ordinal_and_a_measure_or_a_mean_of_items_is_not() {
     };
     let alone = ordinal(&made.people, &made.mode, &answers).unwrap();
     assert_eq!(found.found.model, alone);
-    assert!(
-        found
-            .found
-            .beside
-            .as_ref()
-            .unwrap()
-            .wilcoxon
-            .get("calm|sporty")
-            .is_some()
-    );
-    assert!(
-        as_what(OutcomeScale::Measure, &answers)
-            .one_factor()
-            .is_some()
-    );
+    assert!(found.found.beside.as_ref().unwrap().wilcoxon.get("calm|sporty").is_some());
+    assert!(as_what(OutcomeScale::Measure, &answers).one_factor().is_some());
     let means: Vec<_> = answers.iter().map(|a| a.map(|a| a + 1.0 / 3.0)).collect();
     let found = as_what(OutcomeScale::Rating, &means);
     assert!(found.one_factor().is_some() && found.reasons()[0].contains("mean of items"));
@@ -371,13 +256,7 @@ fn a_subject_in_two_groups_is_refused_in_every_design() {
         between: vec![("vehicle", &made.vehicle)],
         ..made.columns()
     };
-    for data in [
-        DesignColumns {
-            covariates: vec![("age", &made.age)],
-            ..data.clone()
-        },
-        data,
-    ] {
+    for data in [DesignColumns { covariates: vec![("age", &made.age)], ..data.clone() }, data] {
         assert!(matches!(
             compare_by_design(&data, &DesignChoice::default()),
             Err(StatsError::TwoGroups { .. })

@@ -9,11 +9,7 @@ fn with_age(with: Vec<(&'static str, Vec<&'static str>)>) -> (Chosen<FactorialFi
         let age = made.age[i].unwrap();
         *value = value.map(|v| v + 0.2 * age + 0.05 * age * (i % 2) as f64);
     }
-    let data = DesignColumns {
-        covariates: vec![("age", &made.age)],
-        with,
-        ..made.within()
-    };
+    let data = DesignColumns { covariates: vec![("age", &made.age)], with, ..made.within() };
     (factorial_of(run(&data)), made)
 }
 
@@ -78,18 +74,11 @@ fn a_declared_product_takes_a_degree_of_freedom_of_its_effect_alone() {
 fn an_effect_that_no_covariate_can_be_multiplied_by_is_refused() {
     let made = made();
     let of = |with: Vec<(&'static str, Vec<&'static str>)>| {
-        let data = DesignColumns {
-            covariates: vec![("age", &made.age)],
-            with,
-            ..made.within()
-        };
+        let data = DesignColumns { covariates: vec![("age", &made.age)], with, ..made.within() };
         compare_by_design(&data, &DesignChoice::default())
     };
     let refused = of(vec![("age", vec!["weather"])]).unwrap_err().to_string();
-    assert!(
-        refused.contains("weather") && refused.contains("mode, road, mode:road"),
-        "{refused}"
-    );
+    assert!(refused.contains("weather") && refused.contains("mode, road, mode:road"), "{refused}");
     assert!(of(vec![("speed", vec!["mode"])]).is_err());
     assert!(of(vec![("age", vec!["mode:road"])]).is_ok());
 }
@@ -103,21 +92,12 @@ fn a_declared_product_is_tested_where_people_with_gaps_stay_too() {
         with: vec![("age", vec!["mode:road"])],
         ..made.within()
     };
-    let choice = DesignChoice {
-        missing: MissingCells::Mixed,
-        ..DesignChoice::default()
-    };
+    let choice = DesignChoice { missing: MissingCells::Mixed, ..DesignChoice::default() };
     let found = compare_by_design(&data, &choice).unwrap();
     let effects: Vec<&str> = found.effects().into_iter().map(|(name, _)| name).collect();
-    assert_eq!(
-        effects,
-        ["mode", "road", "age", "mode:road", "age:mode:road"]
-    );
+    assert_eq!(effects, ["mode", "road", "age", "mode:road", "age:mode:road"]);
     assert!(found.effects()[4].1.is_some());
-    let unknown = DesignColumns {
-        with: vec![("age", vec!["weather"])],
-        ..data
-    };
+    let unknown = DesignColumns { with: vec![("age", vec!["weather"])], ..data };
     assert!(compare_by_design(&unknown, &choice).is_err());
 }
 
@@ -127,10 +107,7 @@ fn a_person_without_the_covariate_is_left_out_by_name() {
     for row in 8..12 {
         made.age[row] = None;
     }
-    let data = DesignColumns {
-        covariates: vec![("age", &made.age)],
-        ..made.within()
-    };
+    let data = DesignColumns { covariates: vec![("age", &made.age)], ..made.within() };
     let found = factorial_of(run(&data));
     assert_eq!(found.found.anova.dropped, ["p2"]);
     assert_eq!(found.found.tests.get("age").unwrap().df2, Some(9.0));
@@ -142,13 +119,8 @@ fn a_covariate_that_changes_within_people_asks_for_a_mixed_model_with_a_variance
     for (i, age) in made.age.iter_mut().enumerate() {
         *age = age.map(|a| a + (i * 5 % 7) as f64);
     }
-    let data = DesignColumns {
-        covariates: vec![("age", &made.age)],
-        ..made.within()
-    };
-    let ByDesign::Mixed(found) = run(&data) else {
-        panic!("a covariate that changes")
-    };
+    let data = DesignColumns { covariates: vec![("age", &made.age)], ..made.within() };
+    let ByDesign::Mixed(found) = run(&data) else { panic!("a covariate that changes") };
     let [mode, road] =
         [&made.mode, &made.road].map(|c| c.iter().cloned().map(Some).collect::<Vec<_>>());
     let formula: Formula = "mode*road + age".parse().unwrap();
@@ -166,12 +138,8 @@ fn a_covariate_that_changes_within_people_asks_for_a_mixed_model_with_a_variance
 #[test]
 fn one_factor_with_a_covariate_of_people_is_that_of_the_analysis_of_variance() {
     let made = made();
-    let cell: Vec<String> = made
-        .mode
-        .iter()
-        .zip(&made.road)
-        .map(|(m, r)| format!("{m} {r}"))
-        .collect();
+    let cell: Vec<String> =
+        made.mode.iter().zip(&made.road).map(|(m, r)| format!("{m} {r}")).collect();
     let data = DesignColumns {
         within: vec![("cell", &cell)],
         covariates: vec![("age", &made.age)],

@@ -36,9 +36,7 @@ fn two_by_two(
     let value = value.collect();
     Made {
         people: rows().map(|(p, _)| format!("p{p}")).collect(),
-        mode: rows()
-            .map(|(_, m)| ["calm", "sporty"][m].to_owned())
-            .collect(),
+        mode: rows().map(|(_, m)| ["calm", "sporty"][m].to_owned()).collect(),
         road: Vec::new(),
         vehicle: rows()
             .map(|(p, _)| Some(if is_car(p) { "car" } else { "truck" }.to_owned()))
@@ -64,11 +62,7 @@ fn tested_as(data: &DesignColumns<'_>, normal: bool) -> Chosen<FactorialFinding>
     let plan = DesignPlan::of(&shape);
     let (anova, tests) = factors::tested(&design, &shape, &covariates, &plan, normal).unwrap();
     Chosen {
-        chosen: if normal {
-            ChosenTest::Factorial
-        } else {
-            ChosenTest::Ranks
-        },
+        chosen: if normal { ChosenTest::Factorial } else { ChosenTest::Ranks },
         reasons: Vec::new(),
         checks: Vec::new(),
         found: FactorialFinding { anova, tests },
@@ -139,9 +133,8 @@ fn of_two_levels_the_pair_is_the_test_of_the_effect_whatever_decides() {
 fn a_covariate_enters_the_pair_of_the_effect_that_it_is_declared_to_be_multiplied_by_alone() {
     let aged = |person: usize| 25.0 + (person * 7 % 30) as f64;
     let made = two_by_two([9, 12], [1.0, 1.0], aged, &mut Draws(5));
-    let height: Vec<Option<f64>> = (0..made.people.len())
-        .map(|row| Some(160.0 + (row / 2 * 11 % 25) as f64))
-        .collect();
+    let height: Vec<Option<f64>> =
+        (0..made.people.len()).map(|row| Some(160.0 + (row / 2 * 11 % 25) as f64)).collect();
     let data = DesignColumns {
         covariates: vec![("age", &made.age), ("height", &height)],
         with: vec![("age", vec!["mode"])],
@@ -162,10 +155,7 @@ fn groups_that_differ_in_a_covariate_alone_have_means_that_do_not() {
     // Whoever drives a car is 25 years older, and value follows age.
     let old = |person: usize| (person % 9) as f64 + if person < 9 { 60.0 } else { 35.0 };
     let made = two_by_two([9, 9], [0.3, 0.3], old, &mut Draws(7));
-    let data = DesignColumns {
-        covariates: vec![("age", &made.age)],
-        ..made.mixed_design()
-    };
+    let data = DesignColumns { covariates: vec![("age", &made.age)], ..made.mixed_design() };
     let (found, after) = followed(&data, true);
     assert_eq!(after.covariates, ["age"]);
     let plain = found.found.anova.contrast.get("vehicle").unwrap();
@@ -194,11 +184,8 @@ fn means_at_the_mean_of_a_covariate_differ_by_their_pair_whether_its_product_is_
         *value = value.map(|v| v + more);
     }
     for with in [Vec::new(), vec![("age", vec!["mode"])]] {
-        let data = DesignColumns {
-            covariates: vec![("age", &made.age)],
-            with,
-            ..made.mixed_design()
-        };
+        let data =
+            DesignColumns { covariates: vec![("age", &made.age)], with, ..made.mixed_design() };
         let (found, after) = followed(&data, true);
         let mean = |effect: &str, cell: &str| {
             let means = after.emm.get(effect).unwrap();
@@ -216,10 +203,7 @@ fn means_at_the_mean_of_a_covariate_differ_by_their_pair_whether_its_product_is_
         let interaction =
             cell("car:calm") - cell("car:sporty") - cell("truck:calm") + cell("truck:sporty");
         let pair = |a: &str, b: &str| LevelChoice::Pair([a, b].map(str::to_owned));
-        let both = [
-            ("vehicle", pair("car", "truck")),
-            ("mode", pair("calm", "sporty")),
-        ];
+        let both = [("vehicle", pair("car", "truck")), ("mode", pair("calm", "sporty"))];
         let both = level_contrast(&data, &found, &both).unwrap();
         close(Some(interaction), Some(both.estimate), "vehicle:mode");
     }
@@ -231,9 +215,8 @@ fn a_mean_of_a_group_has_the_error_of_that_group() {
     let (_, after) = followed(&made.mixed_design(), true);
     let by_hand = |from: usize, to: usize| {
         let people = made.value.chunks(2).skip(from).take(to - from);
-        let means: Vec<f64> = people
-            .map(|cells| f64::midpoint(cells[0].unwrap(), cells[1].unwrap()))
-            .collect();
+        let means: Vec<f64> =
+            people.map(|cells| f64::midpoint(cells[0].unwrap(), cells[1].unwrap())).collect();
         let n = means.len() as f64;
         let mean = means.iter().sum::<f64>() / n;
         let square: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
@@ -261,8 +244,7 @@ fn a_simple_effect_of_three_levels_has_pairs_that_holm_takes_together() {
     assert_eq!(found.found.anova.n, 12);
     let simple = |factor: &str| {
         let all = after.simple.iter();
-        all.filter(|s| s.effect.factor == factor)
-            .collect::<Vec<_>>()
+        all.filter(|s| s.effect.factor == factor).collect::<Vec<_>>()
     };
     assert_eq!((simple("vehicle").len(), simple("cell").len()), (4, 2));
     assert!(simple("vehicle").iter().all(|s| s.pairs.is_empty()));
@@ -358,11 +340,7 @@ fn a_pair_of_a_mixed_model_has_the_spread_of_its_own_difference_within_groups() 
     assert_eq!(pairs.len(), 6);
     let pair = pairs.get("r0|r3").unwrap();
     close(Some(pair.estimate), Some(0.5 * (cars + trucks)), "estimate");
-    close(
-        Some(pair.se),
-        Some(0.5 * (of_cars + of_trucks).sqrt()),
-        "se",
-    );
+    close(Some(pair.se), Some(0.5 * (of_cars + of_trucks).sqrt()), "se");
     assert!((pair.df.unwrap() - 10.0).abs() < 1e-6, "{:?}", pair.df);
     // At one vehicle it is the paired t test of its six people.
     let there = found.pairs("vehicle:cell").unwrap();
@@ -404,12 +382,10 @@ fn pairs_of_a_mixed_model_keep_their_level() {
     let rows = || (0..64).map(|row| (row / 4, row % 4));
     let people: Vec<String> = rows().map(|(person, _)| format!("p{person}")).collect();
     let cell: Vec<String> = rows().map(|(_, cell)| format!("r{cell}")).collect();
-    let vehicle: Vec<Option<String>> = rows()
-        .map(|(person, _)| Some(["car", "truck"][person % 2].to_owned()))
-        .collect();
-    let age: Vec<Option<f64>> = rows()
-        .map(|(person, _)| Some(20.0 + (person * 7 % 12) as f64))
-        .collect();
+    let vehicle: Vec<Option<String>> =
+        rows().map(|(person, _)| Some(["car", "truck"][person % 2].to_owned())).collect();
+    let age: Vec<Option<f64>> =
+        rows().map(|(person, _)| Some(20.0 + (person * 7 % 12) as f64)).collect();
     for _ in 0..300 {
         let mut value = Vec::new();
         for _ in 0..16 {

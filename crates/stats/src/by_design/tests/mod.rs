@@ -32,25 +32,11 @@ fn made() -> Made {
     let rows = 0..48;
     Made {
         people: rows.clone().map(|i| format!("p{}", i / 4)).collect(),
-        mode: rows
-            .clone()
-            .map(|i| ["calm", "sporty"][i % 2].to_owned())
-            .collect(),
-        road: rows
-            .clone()
-            .map(|i| ["city", "country"][i / 2 % 2].to_owned())
-            .collect(),
-        vehicle: rows
-            .clone()
-            .map(|i| Some(["car", "truck"][i / 4 % 2].to_owned()))
-            .collect(),
-        age: rows
-            .clone()
-            .map(|i| Some(20.0 + (i / 4 * 7 % 12) as f64))
-            .collect(),
-        value: rows
-            .map(|i| Some(10.0 + noise(i) + (i % 2) as f64))
-            .collect(),
+        mode: rows.clone().map(|i| ["calm", "sporty"][i % 2].to_owned()).collect(),
+        road: rows.clone().map(|i| ["city", "country"][i / 2 % 2].to_owned()).collect(),
+        vehicle: rows.clone().map(|i| Some(["car", "truck"][i / 4 % 2].to_owned())).collect(),
+        age: rows.clone().map(|i| Some(20.0 + (i / 4 * 7 % 12) as f64)).collect(),
+        value: rows.map(|i| Some(10.0 + noise(i) + (i % 2) as f64)).collect(),
     }
 }
 
@@ -72,25 +58,15 @@ impl Made {
     }
 
     fn columns(&self) -> DesignColumns<'_> {
-        DesignColumns {
-            subjects: &self.people,
-            values: &self.value,
-            ..DesignColumns::default()
-        }
+        DesignColumns { subjects: &self.people, values: &self.value, ..DesignColumns::default() }
     }
 
     fn within(&self) -> DesignColumns<'_> {
-        DesignColumns {
-            within: vec![("mode", &self.mode), ("road", &self.road)],
-            ..self.columns()
-        }
+        DesignColumns { within: vec![("mode", &self.mode), ("road", &self.road)], ..self.columns() }
     }
 
     fn grouped(&self) -> DesignColumns<'_> {
-        DesignColumns {
-            between: vec![("vehicle", &self.vehicle)],
-            ..self.within()
-        }
+        DesignColumns { between: vec![("vehicle", &self.vehicle)], ..self.within() }
     }
 }
 
@@ -99,8 +75,6 @@ fn run(data: &DesignColumns<'_>) -> ByDesign {
 }
 
 fn factorial_of(found: ByDesign) -> Chosen<FactorialFinding> {
-    let ByDesign::Factorial(found) = found else {
-        panic!("several factors")
-    };
+    let ByDesign::Factorial(found) = found else { panic!("several factors") };
     *found
 }

@@ -25,9 +25,7 @@ fn made() -> Made {
     let rows = || (0..PEOPLE * 6).map(|row| (row / 6, row % 6 / 3, row % 3));
     Made {
         people: rows().map(|(p, ..)| format!("p{p}")).collect(),
-        mode: rows()
-            .map(|(_, m, _)| ["calm", "sporty"][m].to_owned())
-            .collect(),
+        mode: rows().map(|(_, m, _)| ["calm", "sporty"][m].to_owned()).collect(),
         road: rows().map(|(.., r)| ROADS[r].to_owned()).collect(),
         vehicle: rows()
             .map(|(p, ..)| Some(if is_car(p) { "car" } else { "truck" }.to_owned()))
@@ -43,11 +41,7 @@ fn factorial_of(data: &DesignColumns<'_>, normal: bool) -> Chosen<FactorialFindi
     let plan = DesignPlan::of(&shape);
     let (anova, tests) = factors::tested(&design, &shape, &covariates, &plan, normal).unwrap();
     Chosen {
-        chosen: if normal {
-            ChosenTest::Factorial
-        } else {
-            ChosenTest::Ranks
-        },
+        chosen: if normal { ChosenTest::Factorial } else { ChosenTest::Ranks },
         reasons: Vec::new(),
         checks: Vec::new(),
         found: FactorialFinding { anova, tests },
@@ -90,47 +84,26 @@ fn without_groups_a_contrast_is_the_paired_t_test_of_each_persons_contrast() {
     let found = factorial_of(&made.within(), true);
     let sporty = |p, road| value(p, 1, road) - value(p, 0, road);
     let cases: [Case<'_>; 4] = [
+        (vec![("mode", pair("sporty", "calm"))], Box::new(|p| roads(p, 1) - roads(p, 0))),
+        (vec![("mode", pair("calm", "sporty"))], Box::new(|p| roads(p, 0) - roads(p, 1))),
         (
-            vec![("mode", pair("sporty", "calm"))],
-            Box::new(|p| roads(p, 1) - roads(p, 0)),
-        ),
-        (
-            vec![("mode", pair("calm", "sporty"))],
-            Box::new(|p| roads(p, 0) - roads(p, 1)),
-        ),
-        (
-            vec![
-                ("mode", pair("sporty", "calm")),
-                ("road", pair("motorway", "city")),
-            ],
+            vec![("mode", pair("sporty", "calm")), ("road", pair("motorway", "city"))],
             Box::new(move |p| sporty(p, 2) - sporty(p, 0)),
         ),
         (
-            vec![
-                ("mode", pair("sporty", "calm")),
-                ("road", LevelChoice::At("country".to_owned())),
-            ],
+            vec![("mode", pair("sporty", "calm")), ("road", LevelChoice::At("country".to_owned()))],
             Box::new(move |p| sporty(p, 1)),
         ),
     ];
     for (parts, score) in cases {
         let contrast = level_contrast(&made.within(), &found, &parts).unwrap();
         let (t, _) = against_nothing(&score);
-        assert!(
-            (contrast.estimate - mean((0..PEOPLE).map(&score))).abs() < 1e-12,
-            "{parts:?}"
-        );
+        assert!((contrast.estimate - mean((0..PEOPLE).map(&score))).abs() < 1e-12, "{parts:?}");
         close(contrast.statistic, t.t);
         close(contrast.p, t.p);
-        assert_eq!(
-            (contrast.n, contrast.df),
-            (PEOPLE, Some(PEOPLE as f64 - 1.0))
-        );
+        assert_eq!((contrast.n, contrast.df), (PEOPLE, Some(PEOPLE as f64 - 1.0)));
         let half = contrast.ci.high.unwrap() - contrast.estimate;
-        close(
-            Some(contrast.estimate - contrast.ci.low.unwrap()),
-            Some(half),
-        );
+        close(Some(contrast.estimate - contrast.ci.low.unwrap()), Some(half));
     }
 }
 
@@ -141,14 +114,10 @@ fn with_groups_each_keeps_its_variance_and_counts_alike() {
     let found = factorial_of(&data, true);
     let sporty = |p| roads(p, 1) - roads(p, 0);
     // A difference of groups in a difference within: Welch's test of the differences.
-    let parts = [
-        ("vehicle", pair("truck", "car")),
-        ("mode", pair("sporty", "calm")),
-    ];
+    let parts = [("vehicle", pair("truck", "car")), ("mode", pair("sporty", "calm"))];
     let contrast = level_contrast(&data, &found, &parts).unwrap();
-    let names: Vec<String> = (0..PEOPLE)
-        .map(|p| if is_car(p) { "car" } else { "truck" }.to_owned())
-        .collect();
+    let names: Vec<String> =
+        (0..PEOPLE).map(|p| if is_car(p) { "car" } else { "truck" }.to_owned()).collect();
     let scores: Vec<Option<f64>> = (0..PEOPLE).map(|p| Some(sporty(p))).collect();
     let by_hand = groups(&names, &scores).unwrap();
     let welch = by_hand.welch_t.get("car|truck").unwrap();
@@ -158,12 +127,8 @@ fn with_groups_each_keeps_its_variance_and_counts_alike() {
     close(contrast.p, welch.p);
     // Averaged over groups both count alike, whatever their size.
     let alone = level_contrast(&data, &found, &parts[1..]).unwrap();
-    let of = |car: bool| -> Vec<f64> {
-        (0..PEOPLE)
-            .filter(|p| is_car(*p) == car)
-            .map(sporty)
-            .collect()
-    };
+    let of =
+        |car: bool| -> Vec<f64> { (0..PEOPLE).filter(|p| is_car(*p) == car).map(sporty).collect() };
     let (cars, trucks) = (of(true), of(false));
     assert_ne!(cars.len(), trucks.len());
     let half = f64::midpoint(mean(cars.into_iter()), mean(trucks.into_iter()));
@@ -173,10 +138,7 @@ fn with_groups_each_keeps_its_variance_and_counts_alike() {
 #[test]
 fn between_people_a_covariate_is_taken_out_as_of_the_effect() {
     let made = made();
-    let data = DesignColumns {
-        covariates: vec![("age", &made.age)],
-        ..made.grouped()
-    };
+    let data = DesignColumns { covariates: vec![("age", &made.age)], ..made.grouped() };
     let found = factorial_of(&data, true);
     let parts = [("vehicle", pair("truck", "car"))];
     let contrast = level_contrast(&data, &found, &parts).unwrap();
@@ -200,10 +162,7 @@ fn between_people_a_covariate_is_taken_out_as_of_the_effect() {
     }
     let difference = means(&all, false) - means(&all, true);
     let ages = means(&age, false) - means(&age, true);
-    close(
-        Some(contrast.estimate),
-        Some(difference - over / square * ages),
-    );
+    close(Some(contrast.estimate), Some(difference - over / square * ages));
     // Within people nothing is taken out.
     let mode = [("mode", pair("sporty", "calm"))];
     let with = level_contrast(&data, &found, &mode).unwrap();
@@ -230,10 +189,7 @@ fn where_ranks_decide_about_an_effect_they_decide_about_its_contrast() {
     let found = factorial_of(&data, false);
     let contrast = level_contrast(&data, &found, &[("vehicle", pair("truck", "car"))]).unwrap();
     let test = found.found.tests.get("vehicle").unwrap();
-    assert_eq!(
-        (contrast.method, contrast.p),
-        (EffectMethod::GroupRanks, test.p)
-    );
+    assert_eq!((contrast.method, contrast.p), (EffectMethod::GroupRanks, test.p));
 }
 
 #[test]
@@ -241,10 +197,8 @@ fn a_simple_effect_is_the_test_of_its_part_and_holm_goes_over_an_interaction() {
     let made = made();
     let found = factorial_of(&made.within(), true);
     let simple = simple_effects(&made.within(), &found).unwrap();
-    let names: Vec<(&str, &str)> = simple
-        .iter()
-        .map(|s| (s.factor.as_str(), s.level.as_str()))
-        .collect();
+    let names: Vec<(&str, &str)> =
+        simple.iter().map(|s| (s.factor.as_str(), s.level.as_str())).collect();
     assert_eq!(
         names,
         [
@@ -263,19 +217,12 @@ fn a_simple_effect_is_the_test_of_its_part_and_holm_goes_over_an_interaction() {
     }
     // Of three levels the analysis of variance of that part alone.
     let people: Vec<String> = (0..PEOPLE).map(|p| p.to_string()).collect();
-    let calm: Vec<Vec<f64>> = (0..PEOPLE)
-        .map(|p| (0..3).map(|road| value(p, 0, road)).collect())
-        .collect();
+    let calm: Vec<Vec<f64>> =
+        (0..PEOPLE).map(|p| (0..3).map(|road| value(p, 0, road)).collect()).collect();
     let table = WithinSubjects::from_rows(&ROADS.map(str::to_owned), &people, &calm).unwrap();
     let by_hand = crate::rm_anova(&table);
-    close(
-        simple[3].test.as_ref().unwrap().statistic,
-        by_hand.rm_anova.f,
-    );
-    let p: Vec<f64> = simple
-        .iter()
-        .map(|s| s.test.as_ref().unwrap().p.unwrap())
-        .collect();
+    close(simple[3].test.as_ref().unwrap().statistic, by_hand.rm_anova.f);
+    let p: Vec<f64> = simple.iter().map(|s| s.test.as_ref().unwrap().p.unwrap()).collect();
     let holm: Vec<Option<f64>> = adjust(&p).unwrap().holm.into_iter().map(Some).collect();
     assert_eq!(simple.iter().map(|s| s.p_holm).collect::<Vec<_>>(), holm);
 }
@@ -287,12 +234,10 @@ fn a_simple_effect_between_people_is_welchs_test_there() {
     let simple = simple_effects(&made.grouped(), &found).unwrap();
     let at = |factor: &str, level: &str| {
         let mut all = simple.iter();
-        all.find(|s| s.factor == factor && s.level == level)
-            .unwrap()
+        all.find(|s| s.factor == factor && s.level == level).unwrap()
     };
-    let names: Vec<String> = (0..PEOPLE)
-        .map(|p| if is_car(p) { "car" } else { "truck" }.to_owned())
-        .collect();
+    let names: Vec<String> =
+        (0..PEOPLE).map(|p| if is_car(p) { "car" } else { "truck" }.to_owned()).collect();
     let calm: Vec<Option<f64>> = (0..PEOPLE).map(|p| Some(roads(p, 0))).collect();
     let welch = groups(&names, &calm).unwrap();
     let welch = welch.welch_t.values().next().unwrap();
@@ -305,10 +250,7 @@ fn a_simple_effect_between_people_is_welchs_test_there() {
         ["sporty", "calm"].map(str::to_owned),
         trucks.iter().map(ToString::to_string).collect::<Vec<_>>(),
     );
-    let rows: Vec<Vec<f64>> = trucks
-        .iter()
-        .map(|p| vec![roads(*p, 1), roads(*p, 0)])
-        .collect();
+    let rows: Vec<Vec<f64>> = trucks.iter().map(|p| vec![roads(*p, 1), roads(*p, 0)]).collect();
     let all = within(&WithinSubjects::from_rows(&two, &people, &rows).unwrap());
     let t = all.paired.values().next().unwrap();
     close(at("mode", "truck").test.as_ref().unwrap().p, t.p);
@@ -320,29 +262,15 @@ fn an_unknown_factor_or_level_is_refused_by_what_there_is() {
     let data = made.grouped();
     let found = factorial_of(&data, true);
     for (parts, words) in [
+        (vec![("colour", pair("red", "blue"))], "a factor: vehicle, mode, road"),
+        (vec![("mode", pair("calm", "brisk"))], "a level of `mode`: calm, sporty"),
         (
-            vec![("colour", pair("red", "blue"))],
-            "a factor: vehicle, mode, road",
-        ),
-        (
-            vec![("mode", pair("calm", "brisk"))],
-            "a level of `mode`: calm, sporty",
-        ),
-        (
-            vec![
-                ("mode", LevelChoice::At("brisk".to_owned())),
-                ("road", pair("city", "country")),
-            ],
+            vec![("mode", LevelChoice::At("brisk".to_owned())), ("road", pair("city", "country"))],
             "`brisk` is unknown",
         ),
-        (
-            vec![("mode", LevelChoice::At("calm".to_owned()))],
-            "expected an effect",
-        ),
+        (vec![("mode", LevelChoice::At("calm".to_owned()))], "expected an effect"),
     ] {
-        let refused = level_contrast(&data, &found, &parts)
-            .unwrap_err()
-            .to_string();
+        let refused = level_contrast(&data, &found, &parts).unwrap_err().to_string();
         assert!(refused.contains(words), "{refused}");
     }
 }

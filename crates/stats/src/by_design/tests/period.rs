@@ -6,16 +6,12 @@ use crate::{Comparison, OmnibusTest, PosthocTest, numerics::distributions::norma
 /// Rows of a Williams square of three, four or five conditions.
 fn orders(k: usize) -> Vec<Vec<usize>> {
     let zigzag = |i: usize| if i % 2 == 1 { i.div_ceil(2) } else { k - i / 2 };
-    let first: Vec<usize> = (0..k)
-        .map(|i| if i == 0 { 0 } else { zigzag(i) % k })
-        .collect();
+    let first: Vec<usize> = (0..k).map(|i| if i == 0 { 0 } else { zigzag(i) % k }).collect();
     let row = |add: usize| first.iter().map(|c| (c + add) % k).collect::<Vec<_>>();
     let mut rows: Vec<Vec<usize>> = (0..k).map(row).collect();
     if k % 2 == 1 {
-        let mirrored: Vec<Vec<usize>> = rows
-            .iter()
-            .map(|r| r.iter().rev().copied().collect())
-            .collect();
+        let mirrored: Vec<Vec<usize>> =
+            rows.iter().map(|r| r.iter().rev().copied().collect()).collect();
         rows.extend(mirrored);
     }
     rows
@@ -66,18 +62,12 @@ impl Made {
     }
 
     fn tested(&self, test: AskedTest, scale: OutcomeScale) -> Result<ByDesign, StatsError> {
-        let choice = DesignChoice {
-            test,
-            scale,
-            ..DesignChoice::default()
-        };
+        let choice = DesignChoice { test, scale, ..DesignChoice::default() };
         compare_by_design(&self.columns(), &choice)
     }
 
     fn mixed(&self) -> MixedFinding {
-        let ByDesign::Mixed(found) = self
-            .tested(AskedTest::Chosen, OutcomeScale::Measure)
-            .unwrap()
+        let ByDesign::Mixed(found) = self.tested(AskedTest::Chosen, OutcomeScale::Measure).unwrap()
         else {
             panic!("a mixed model")
         };
@@ -112,13 +102,8 @@ fn noise(seed: usize, i: usize) -> f64 {
 fn carry_over_costs_a_quarter_a_tenth_and_an_eighteenth_in_squares_of_three_four_and_five() {
     for (k, ratio) in [(3, 5.0 / 4.0), (4, 11.0 / 10.0), (5, 19.0 / 18.0)] {
         let rows = orders(k);
-        let study = made(&rows, 2 * rows.len(), |p, c, t, _| {
-            noise(1, 100 * p + 10 * c + t)
-        });
-        assert!(
-            (study.carried().variance_ratio - ratio).abs() < 1e-12,
-            "{k}"
-        );
+        let study = made(&rows, 2 * rows.len(), |p, c, t, _| noise(1, 100 * p + 10 * c + t));
+        assert!((study.carried().variance_ratio - ratio).abs() < 1e-12, "{k}");
     }
 }
 
@@ -132,11 +117,7 @@ fn a_planted_carry_over_comes_back_at_its_size_and_condition_and_period_with_it(
     let found = study.carried();
     for (name, planted) in NAMES.iter().zip(left) {
         let effect = found.effects.get(name).unwrap();
-        assert!(
-            (effect.estimate - planted).abs() < 1e-3,
-            "{name}: {}",
-            effect.estimate
-        );
+        assert!((effect.estimate - planted).abs() < 1e-3, "{name}: {}", effect.estimate);
     }
     assert!(found.test.p.unwrap() < 1e-6);
     for (pair, contrast) in found.contrast.iter() {
@@ -181,20 +162,12 @@ fn over_many_tables_carry_over_is_without_bias_and_its_intervals_cover_it() {
 #[test]
 fn a_period_however_large_is_taken_out_of_a_balanced_study() {
     let study = |slope: f64| {
-        made(&orders(4), 8, |p, c, t, _| {
-            noise(6, 100 * p + 10 * c + t) + slope * t as f64
-        })
+        made(&orders(4), 8, |p, c, t, _| noise(6, 100 * p + 10 * c + t) + slope * t as f64)
     };
     let (without, with) = (study(0.0).mixed(), study(40.0).mixed());
     let same = |a: f64, b: f64| (a - b).abs() < 1e-6;
     for (pair, contrast) in without.model.contrast.get("condition").unwrap().iter() {
-        let other = with
-            .model
-            .contrast
-            .get("condition")
-            .unwrap()
-            .get(pair)
-            .unwrap();
+        let other = with.model.contrast.get("condition").unwrap().get(pair).unwrap();
         assert!(same(contrast.estimate, other.estimate) && same(contrast.se, other.se));
     }
     assert!(with.model.anova.get(PERIOD).unwrap().p.unwrap() < 1e-6);
@@ -206,14 +179,8 @@ fn a_period_however_large_is_taken_out_of_a_balanced_study() {
 #[test]
 fn why_carry_over_is_not_fitted_is_a_value() {
     let flat = |p: usize, c: usize, t: usize, _: Option<usize>| noise(7, 100 * p + 10 * c + t);
-    assert_eq!(
-        made(&orders(2), 8, flat).why_not(),
-        NoCarryOver::TwoConditions
-    );
-    let few = NoCarryOver::FewPeople {
-        people: 6,
-        orders: 6,
-    };
+    assert_eq!(made(&orders(2), 8, flat).why_not(), NoCarryOver::TwoConditions);
+    let few = NoCarryOver::FewPeople { people: 6, orders: 6 };
     assert_eq!(made(&orders(3), 6, flat).why_not(), few);
     assert!(few.to_string().contains("6 people in 6 different orders"));
     // Two orders tell conditions from periods, and no more.
@@ -221,15 +188,10 @@ fn why_carry_over_is_not_fitted_is_a_value() {
     assert_eq!(made(&two, 8, flat).why_not(), NoCarryOver::NotConnected);
     let grouped = made(&orders(3), 12, flat);
     let group: Vec<Option<String>> = (0..36).map(|i| Some((i / 18).to_string())).collect();
-    let columns = DesignColumns {
-        between: vec![("group", &group)],
-        ..grouped.columns()
-    };
+    let columns = DesignColumns { between: vec![("group", &group)], ..grouped.columns() };
     assert_eq!(
         carry_over(&columns).unwrap(),
-        CarryOver::NotFitted {
-            why_not: NoCarryOver::SeveralFactors
-        }
+        CarryOver::NotFitted { why_not: NoCarryOver::SeveralFactors }
     );
 }
 
@@ -237,13 +199,8 @@ fn why_carry_over_is_not_fitted_is_a_value() {
 fn one_order_for_all_cannot_tell_condition_from_period_and_has_no_test() {
     let flat = |p: usize, c: usize, t: usize, _: Option<usize>| noise(8, 100 * p + 10 * c + t);
     let study = made(&[vec![0, 1, 2]], 9, flat);
-    let refused = study
-        .tested(AskedTest::Mixed, OutcomeScale::Measure)
-        .unwrap_err();
-    assert!(
-        refused.to_string().contains("condition and period"),
-        "{refused}"
-    );
+    let refused = study.tested(AskedTest::Mixed, OutcomeScale::Measure).unwrap_err();
+    assert!(refused.to_string().contains("condition and period"), "{refused}");
     let two = made(&[vec![0, 1, 2], vec![1, 2, 0]], 8, flat);
     assert!(two.tested(AskedTest::Mixed, OutcomeScale::Measure).is_ok());
 }
@@ -263,18 +220,10 @@ fn a_test_that_is_asked_for_is_run_whatever_the_data_look_like() {
     };
     assert_eq!(chosen(AskedTest::Chosen).chosen, OmnibusTest::Friedman);
     let anova = chosen(AskedTest::RmAnova);
-    assert_eq!(
-        (anova.chosen, anova.posthoc.test),
-        (OmnibusTest::RmAnova, PosthocTest::T)
-    );
+    assert_eq!((anova.chosen, anova.posthoc.test), (OmnibusTest::RmAnova, PosthocTest::T));
     assert!(anova.reasons[0].starts_with("analysis of variance, as declared"));
-    assert_eq!(
-        chosen(AskedTest::Friedman).omnibus,
-        chosen(AskedTest::Chosen).omnibus
-    );
-    let mixed = study
-        .tested(AskedTest::Mixed, OutcomeScale::Measure)
-        .unwrap();
+    assert_eq!(chosen(AskedTest::Friedman).omnibus, chosen(AskedTest::Chosen).omnibus);
+    let mixed = study.tested(AskedTest::Mixed, OutcomeScale::Measure).unwrap();
     assert_eq!(mixed.effects().len(), 1);
 }
 
@@ -299,12 +248,8 @@ fn an_item_has_an_ordinal_model_with_the_period_and_its_pairs_by_t() {
         })
     };
     let of = |study: &Made| {
-        let found = study
-            .tested(AskedTest::Chosen, OutcomeScale::Rating)
-            .unwrap();
-        let ByDesign::Ordinal(found) = found else {
-            panic!("an ordinal model")
-        };
+        let found = study.tested(AskedTest::Chosen, OutcomeScale::Rating).unwrap();
+        let ByDesign::Ordinal(found) = found else { panic!("an ordinal model") };
         found.found
     };
     let (conditions, periods) = (of(&study(0.8, 0.0)), of(&study(0.0, 0.8)));
@@ -312,40 +257,16 @@ fn an_item_has_an_ordinal_model_with_the_period_and_its_pairs_by_t() {
     assert!(p(&conditions.small_sample) < 0.001 && p(&conditions.period) > 0.05);
     assert!(p(&periods.small_sample) > 0.05 && p(&periods.period) < 0.001);
     // Pairs are differences of the coefficients, 72 - 24 - 2 - 2 degrees of freedom.
-    let coef = |name: &str| {
-        conditions
-            .model
-            .quadrature
-            .coef
-            .get(name)
-            .unwrap()
-            .estimate
-            .unwrap()
-    };
-    let [first, second] = [
-        &conditions.model.conditions[1],
-        &conditions.model.conditions[2],
-    ];
-    let pair = conditions
-        .contrast
-        .get(&format!("{first}|{second}"))
-        .unwrap();
+    let coef = |name: &str| conditions.model.quadrature.coef.get(name).unwrap().estimate.unwrap();
+    let [first, second] = [&conditions.model.conditions[1], &conditions.model.conditions[2]];
+    let pair = conditions.contrast.get(&format!("{first}|{second}")).unwrap();
     assert!((pair.estimate - (coef(first) - coef(second))).abs() < 1e-9);
     assert_eq!((conditions.contrast.len(), pair.df), (3, Some(44.0)));
     let against_first = conditions.contrast.values().next().unwrap();
-    let se = conditions
-        .model
-        .quadrature
-        .coef
-        .get(first)
-        .unwrap()
-        .se
-        .unwrap();
+    let se = conditions.model.quadrature.coef.get(first).unwrap().se.unwrap();
     assert!((against_first.se - se).abs() < 1e-9);
     // Asked for of a scale that is none, too; a mean of items is a mixed model's.
-    let asked = study(0.8, 0.0)
-        .tested(AskedTest::Ordinal, OutcomeScale::Measure)
-        .unwrap();
+    let asked = study(0.8, 0.0).tested(AskedTest::Ordinal, OutcomeScale::Measure).unwrap();
     assert!(matches!(asked, ByDesign::Ordinal(_)));
 }
 
@@ -355,9 +276,7 @@ fn without_periods_a_pair_with_its_own_error_is_the_paired_t_test() {
         noise(13, 100 * p + 10 * c + t) * if c == 0 { 3.0 } else { 1.0 } + c as f64
     });
     study.periods.clear();
-    let ByDesign::Mixed(found) = study
-        .tested(AskedTest::Mixed, OutcomeScale::Measure)
-        .unwrap()
+    let ByDesign::Mixed(found) = study.tested(AskedTest::Mixed, OutcomeScale::Measure).unwrap()
     else {
         panic!("a mixed model")
     };
@@ -393,15 +312,9 @@ fn of_two_conditions_in_two_orders_it_is_welchs_test_of_the_orders_halves() {
         at("a") - at("b")
     };
     let of = |parity: usize| -> (f64, f64) {
-        let own: Vec<f64> = (0..12)
-            .filter(|p| p % 2 == parity)
-            .map(difference)
-            .collect();
+        let own: Vec<f64> = (0..12).filter(|p| p % 2 == parity).map(difference).collect();
         let mean = own.iter().sum::<f64>() / 6.0;
-        (
-            mean,
-            own.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / 5.0 / 6.0,
-        )
+        (mean, own.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / 5.0 / 6.0)
     };
     let ((one, first), (two, second)) = (of(0), of(1));
     assert!((pair.estimate - 0.5 * (one + two)).abs() < 1e-9);
@@ -422,13 +335,7 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
         let of_model = model.get(name).unwrap();
         assert!((pair.estimate - of_model.estimate).abs() < 1e-9, "{name}");
         let wide = name.split('|').any(|c| c == "a");
-        assert_eq!(
-            pair.se > of_model.se,
-            wide,
-            "{name}: {} {}",
-            pair.se,
-            of_model.se
-        );
+        assert_eq!(pair.se > of_model.se, wide, "{name}: {} {}", pair.se, of_model.se);
         assert!(pair.df.unwrap() > 18.0 && pair.df.unwrap() < 23.0 + 1e-9);
     }
     // Somebody without a condition is left out whole, or stays in the model alone.
@@ -437,10 +344,7 @@ fn the_estimate_of_a_pair_is_the_models_and_its_error_follows_its_own_spread() {
     let listwise = short.mixed();
     assert_eq!((listwise.model.n_subjects, listwise.model.n_obs), (23, 92));
     assert_eq!(listwise.pairs("condition").unwrap().len(), 6);
-    let choice = DesignChoice {
-        missing: MissingCells::Mixed,
-        ..DesignChoice::default()
-    };
+    let choice = DesignChoice { missing: MissingCells::Mixed, ..DesignChoice::default() };
     let ByDesign::Mixed(kept) = compare_by_design(&short.columns(), &choice).unwrap() else {
         panic!("a mixed model")
     };

@@ -66,18 +66,13 @@ fn ten() -> Made {
     Made {
         subjects: (0..30).map(|at| (at / 3).to_string()).collect(),
         liking: liking.as_flattened().iter().copied().map(Some).collect(),
-        moved: (0..30)
-            .map(|at| Some(f64::from(at % 3) * 15.0 - 15.0))
-            .collect(),
+        moved: (0..30).map(|at| Some(f64::from(at % 3) * 15.0 - 15.0)).collect(),
         own: (0..30).map(|at| Some(own[at / 3])).collect(),
     }
 }
 
 fn near(value: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (value - expected).abs() <= tolerance * expected.abs(),
-        "{value}, expected {expected}"
-    );
+    assert!((value - expected).abs() <= tolerance * expected.abs(), "{value}, expected {expected}");
 }
 
 fn is_within(test: &RatioTest) -> bool {
@@ -89,16 +84,9 @@ fn is_within(test: &RatioTest) -> bool {
 fn a_complete_table_gives_the_numbers_of_its_strata() {
     let result = ten().test().unwrap();
     let is = |test: &RatioTest, expected: [f64; 5]| {
-        let Some(Region::Between { low, high }) = test.region else {
-            panic!("{:?}", test.region)
-        };
-        let numbers = [
-            test.estimate.unwrap(),
-            test.p_lower.unwrap(),
-            test.p_upper.unwrap(),
-            low,
-            high,
-        ];
+        let Some(Region::Between { low, high }) = test.region else { panic!("{:?}", test.region) };
+        let numbers =
+            [test.estimate.unwrap(), test.p_lower.unwrap(), test.p_upper.unwrap(), low, high];
         for (number, expected) in numbers.into_iter().zip(expected) {
             near(number, expected, 2e-5);
         }
@@ -140,10 +128,7 @@ fn a_table_with_gaps_gives_the_coefficients_and_surface_of_statsmodels() {
         ten.liking[row] = None;
     }
     let result = ten.test().unwrap();
-    assert_eq!(
-        (result.n_obs, result.n_subjects, result.missing),
-        (27, 10, 3)
-    );
+    assert_eq!((result.n_obs, result.n_subjects, result.missing), (27, 10, 3));
     for (name, estimate, se) in [
         ("(Intercept)", 4.772_989_420_5, 0.321_384_539_8),
         ("moved", 0.022_828_439_016, 0.011_633_683_735),
@@ -172,10 +157,7 @@ fn a_top_near_ones_own_is_within_the_bounds_and_one_far_from_it_is_not() {
     for (top, within) in [(0.0, true), (-2.0, true), (12.0, false), (-12.0, false)] {
         let turn = made(top, 0.0, 0.01).test().unwrap().turn;
         assert_eq!(is_within(&turn), within, "{top}: {turn:?}");
-        assert!(
-            (turn.estimate.unwrap() - top).abs() < 1.5,
-            "{top}: {turn:?}"
-        );
+        assert!((turn.estimate.unwrap() - top).abs() < 1.5, "{top}: {turn:?}");
     }
     // Beyond the upper bound the slope at the bound is positive, and its opposite is excluded.
     let beyond = made(12.0, 0.0, 0.01).test().unwrap().turn;
@@ -189,10 +171,7 @@ fn a_top_that_goes_with_ones_own_moves_and_one_that_does_not_stays() {
         let movement = &result.movement;
         assert_eq!(is_within(movement), stays, "{drift}: {movement:?}");
         let planted = 2.0 * drift * result.own_sd;
-        assert!(
-            (movement.estimate.unwrap() - planted).abs() < 2.0,
-            "{drift}: {movement:?}"
-        );
+        assert!((movement.estimate.unwrap() - planted).abs() < 2.0, "{drift}: {movement:?}");
         assert!(is_within(&result.turn), "{drift}");
     }
 }
@@ -210,9 +189,7 @@ fn the_region_lies_within_the_bounds_where_both_tests_are_below_their_level() {
     let mut both = [false; 2];
     for step in 0..40 {
         let turn = made(f64::from(step) * 0.2, 0.0, 0.003).test().unwrap().turn;
-        let Some(Region::Between { low, high }) = turn.region else {
-            panic!("{turn:?}")
-        };
+        let Some(Region::Between { low, high }) = turn.region else { panic!("{turn:?}") };
         let within = is_within(&turn);
         assert_eq!(low > -5.0 && high < 5.0, within, "{turn:?}");
         both[usize::from(within)] = true;
@@ -237,9 +214,7 @@ fn without_a_sure_curvature_the_region_has_no_end_and_says_so() {
         *liking = Some(liking.unwrap() + 0.2 * moved.unwrap());
     }
     let turn = flat.test().unwrap().turn;
-    let Some(Region::Outside { low, high }) = turn.region else {
-        panic!("{turn:?}")
-    };
+    let Some(Region::Outside { low, high }) = turn.region else { panic!("{turn:?}") };
     assert!(low < -15.0 && high > 15.0, "{turn:?}");
     assert!(turn.p_lower.unwrap() < LEVEL && turn.p_upper.unwrap() > 1.0 - LEVEL);
 }
@@ -252,10 +227,7 @@ fn another_middle_of_the_scale_or_of_the_liking_changes_no_test() {
         (*own, *liking) = (own.map(|o| o + 30.0), liking.map(|l| l + 1000.0));
     }
     let (plain, moved) = (plain.test().unwrap(), moved.test().unwrap());
-    for (a, b) in [
-        (&plain.turn, &moved.turn),
-        (&plain.movement, &moved.movement),
-    ] {
+    for (a, b) in [(&plain.turn, &moved.turn), (&plain.movement, &moved.movement)] {
         near(a.estimate.unwrap(), b.estimate.unwrap(), 1e-5);
         near(a.p_lower.unwrap(), b.p_lower.unwrap(), 1e-4);
         near(a.p_upper.unwrap(), b.p_upper.unwrap(), 1e-4);
@@ -266,17 +238,14 @@ fn another_middle_of_the_scale_or_of_the_liking_changes_no_test() {
 
 #[test]
 fn a_period_beside_takes_its_effect_out() {
-    let periods: Vec<Option<String>> = (0..120)
-        .map(|at| Some(((at % 5 + at / 5) % 5).to_string()))
-        .collect();
+    let periods: Vec<Option<String>> =
+        (0..120).map(|at| Some(((at % 5 + at / 5) % 5).to_string())).collect();
     let mut tired = made(2.0, 0.0, 0.01);
     for (liking, period) in tired.liking.iter_mut().zip(&periods) {
         let later: f64 = period.as_ref().unwrap().parse().unwrap();
         *liking = Some(liking.unwrap() - 2.0 * later);
     }
-    let with = tired
-        .beside(&[("period", Predictor::Factor(&periods))])
-        .unwrap();
+    let with = tired.beside(&[("period", Predictor::Factor(&periods))]).unwrap();
     let without = tired.test().unwrap();
     assert!((with.coef.get("period[4]").unwrap().estimate + 8.0).abs() < 0.5);
     assert!(with.residual_sd < 0.2 * without.residual_sd);
@@ -286,47 +255,20 @@ fn a_period_beside_takes_its_effect_out() {
 fn what_cannot_be_fitted_is_refused_by_name() {
     let refused = |made: &Made| made.test().unwrap_err().to_string();
     let mut few = made(0.0, 0.0, 0.01);
-    few.liking
-        .iter_mut()
-        .skip(15)
-        .for_each(|liking| *liking = None);
-    assert!(
-        refused(&few).contains("3 complete subjects"),
-        "{}",
-        refused(&few)
-    );
+    few.liking.iter_mut().skip(15).for_each(|liking| *liking = None);
+    assert!(refused(&few).contains("3 complete subjects"), "{}", refused(&few));
     let mut two = made(0.0, 0.0, 0.01);
-    two.moved = two
-        .moved
-        .iter()
-        .map(|m| m.map(|m| f64::from(m > 0.0) * 15.0 + m * 1e-6))
-        .collect();
-    assert!(
-        refused(&two).contains("3 different distances"),
-        "{}",
-        refused(&two)
-    );
+    two.moved = two.moved.iter().map(|m| m.map(|m| f64::from(m > 0.0) * 15.0 + m * 1e-6)).collect();
+    assert!(refused(&two).contains("3 different distances"), "{}", refused(&two));
     let mut alike = made(0.0, 0.0, 0.01);
     alike.own.fill(Some(3.0));
-    assert!(
-        refused(&alike).contains("`own` is determined"),
-        "{}",
-        refused(&alike)
-    );
+    assert!(refused(&alike).contains("`own` is determined"), "{}", refused(&alike));
     let mut once = made(0.0, 0.0, 0.01);
     once.subjects = (0..120).map(|at| at.to_string()).collect();
-    assert!(
-        refused(&once).contains("at least 121"),
-        "{}",
-        refused(&once)
-    );
+    assert!(refused(&once).contains("at least 121"), "{}", refused(&once));
     let mut infinite = made(0.0, 0.0, 0.01);
     infinite.moved[3] = Some(f64::INFINITY);
-    assert!(
-        refused(&infinite).contains("`moved`, row 4"),
-        "{}",
-        refused(&infinite)
-    );
+    assert!(refused(&infinite).contains("`moved`, row 4"), "{}", refused(&infinite));
     let fine = made(0.0, 0.0, 0.01);
     let twice = fine.beside(&[("own", Predictor::Covariate(&fine.own))]);
     assert!(matches!(twice, Err(StatsError::DoubleName { .. })));

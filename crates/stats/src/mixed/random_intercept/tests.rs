@@ -14,15 +14,9 @@ fn made() -> Made {
     let row = |i: usize| (i * 37 % 11) as f64;
     Made {
         people: (0..18).map(|i| (i / 3).to_string()).collect(),
-        mode: (0..18)
-            .map(|i| Some(["calm", "mean", "sporty"][i % 3].to_owned()))
-            .collect(),
-        speed: (0..18)
-            .map(|i| Some(row(i) + 0.5 * (i % 4) as f64))
-            .collect(),
-        y: (0..18)
-            .map(|i| Some(row(i + 5) * 0.3 + (i / 3) as f64 + (i % 3) as f64))
-            .collect(),
+        mode: (0..18).map(|i| Some(["calm", "mean", "sporty"][i % 3].to_owned())).collect(),
+        speed: (0..18).map(|i| Some(row(i) + 0.5 * (i % 4) as f64)).collect(),
+        y: (0..18).map(|i| Some(row(i + 5) * 0.3 + (i / 3) as f64 + (i % 3) as f64)).collect(),
     }
 }
 
@@ -71,34 +65,13 @@ fn people_may_differ_a_million_times_more_than_their_rows() {
         let squares = &anova.rm_anova;
         let residual = squares.ss_error / squares.df2 as f64;
         let subject = (squares.ss_subject / 5.0 - residual) / 3.0;
-        let (term, mean) = (
-            fit.anova.get("mode").unwrap(),
-            anova.desc.get("calm").unwrap(),
-        );
-        assert!(
-            (term.f / squares.f.unwrap() - 1.0).abs() < 1e-6,
-            "{step}: {}",
-            term.f
-        );
-        assert!(
-            (term.df2.unwrap() - 10.0).abs() < 1e-3,
-            "{step}: {:?}",
-            term.df2
-        );
-        assert!(
-            (fit.variance.residual / residual - 1.0).abs() < 1e-6,
-            "{step}"
-        );
-        assert!(
-            (fit.variance.subject.unwrap() / subject - 1.0).abs() < 1e-6,
-            "{step}"
-        );
+        let (term, mean) = (fit.anova.get("mode").unwrap(), anova.desc.get("calm").unwrap());
+        assert!((term.f / squares.f.unwrap() - 1.0).abs() < 1e-6, "{step}: {}", term.f);
+        assert!((term.df2.unwrap() - 10.0).abs() < 1e-3, "{step}: {:?}", term.df2);
+        assert!((fit.variance.residual / residual - 1.0).abs() < 1e-6, "{step}");
+        assert!((fit.variance.subject.unwrap() / subject - 1.0).abs() < 1e-6, "{step}");
         let calm = fit.emm.get("mode").unwrap().get("calm").unwrap();
-        assert!(
-            (calm.mean - mean.mean).abs() < 1e-9,
-            "{step}: {}",
-            calm.mean
-        );
+        assert!((calm.mean - mean.mean).abs() < 1e-9, "{step}: {}", calm.mean);
     }
 }
 
@@ -125,10 +98,7 @@ fn a_factor_in_a_product_is_tested_at_the_mean_of_the_covariate() {
     let y: Vec<Option<f64>> = y.collect();
     let of = |formula: &str, shift: f64| {
         let age: Vec<_> = (0..12).map(|i| Some(age[i / 2] + shift)).collect();
-        let predictors = [
-            ("age", Predictor::Covariate(&age)),
-            ("mode", Predictor::Factor(&mode)),
-        ];
+        let predictors = [("age", Predictor::Covariate(&age)), ("mode", Predictor::Factor(&mode))];
         random_intercept(&people, &formula.parse().unwrap(), &predictors, &y).unwrap()
     };
     let fit = of("age*mode", 0.0);
@@ -149,10 +119,7 @@ fn pairs_of_an_interaction_differ_in_one_factor() {
     let made = made();
     let side = (0..18).map(|i| Some(["left", "right"][i / 9].to_owned()));
     let side: Vec<Option<String>> = side.collect();
-    let predictors = [
-        ("mode", Predictor::Factor(&made.mode)),
-        ("side", Predictor::Factor(&side)),
-    ];
+    let predictors = [("mode", Predictor::Factor(&made.mode)), ("side", Predictor::Factor(&side))];
     let formula = "mode*side".parse().unwrap();
     let fit = random_intercept(&made.people, &formula, &predictors, &made.y).unwrap();
     let pairs = fit.contrast.get("mode:side").unwrap();
@@ -171,14 +138,10 @@ fn single_rows_are_an_analysis_of_covariance() {
     let group: Vec<_> = (0..8).map(|i| Some(["a", "b"][i / 4].to_owned())).collect();
     let x = [1.0, 2.0, 3.0, 4.0, 1.0, 2.0, 3.0, 4.0];
     let rest = [1.0, -1.0, -1.0, 1.0, -1.0, 1.0, 1.0, -1.0];
-    let y: Vec<_> = (0..8)
-        .map(|i| Some(1.0 + 2.0 * x[i] + 3.0 * (i / 4) as f64 + 0.25 * rest[i]))
-        .collect();
+    let y: Vec<_> =
+        (0..8).map(|i| Some(1.0 + 2.0 * x[i] + 3.0 * (i / 4) as f64 + 0.25 * rest[i])).collect();
     let x = x.map(Some);
-    let predictors = [
-        ("group", Predictor::Factor(&group)),
-        ("x", Predictor::Covariate(&x)),
-    ];
+    let predictors = [("group", Predictor::Factor(&group)), ("x", Predictor::Covariate(&x))];
     let fit = random_intercept(&people, &"group + x".parse().unwrap(), &predictors, &y).unwrap();
     let group = fit.coef.get("group[b]").unwrap();
     // s² = 8/16 / (8 - 3) = .1; var = s² (1/4 + 1/4).
@@ -196,10 +159,7 @@ fn offsets_of_value_and_covariate_move_the_intercept_alone() {
     let mut far = made();
     far.y = far.y.iter().map(|v| v.map(|v| v + 1e8)).collect();
     far.speed = far.speed.iter().map(|v| v.map(|v| v + 1e6)).collect();
-    let (near, far) = (
-        run(&near, "mode + speed").unwrap(),
-        run(&far, "mode + speed").unwrap(),
-    );
+    let (near, far) = (run(&near, "mode + speed").unwrap(), run(&far, "mode + speed").unwrap());
     for name in ["mode[mean]", "mode[sporty]", "speed"] {
         let (a, b) = (near.coef.get(name).unwrap(), far.coef.get(name).unwrap());
         assert!((a.estimate - b.estimate).abs() < 1e-6, "{name}");
@@ -220,8 +180,5 @@ fn what_cannot_be_fitted_is_refused_by_name() {
     assert!(matches!(run(&flat, "mode"), Err(StatsError::NoFit { .. })));
     let mut one = made();
     one.mode = vec![Some("calm".to_owned()); 18];
-    assert!(matches!(
-        run(&one, "mode"),
-        Err(StatsError::OneLevel { .. })
-    ));
+    assert!(matches!(run(&one, "mode"), Err(StatsError::OneLevel { .. })));
 }

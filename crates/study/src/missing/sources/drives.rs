@@ -36,10 +36,7 @@ impl Drives {
         design: &Design,
         left_out: &LeftOut,
     ) -> Result<Self, StudyError> {
-        let mut drives = Self {
-            not_turned: not_turned(results, design)?,
-            ..Self::default()
-        };
+        let mut drives = Self { not_turned: not_turned(results, design)?, ..Self::default() };
         for list in lists(results) {
             let listed: Vec<DriveMeta> = read_rows(&list)?;
             let cell = |m: &DriveMeta| (m.participant.clone(), m.ride());

@@ -42,10 +42,7 @@ mod tests {
 
     #[test]
     fn a_few_drivers_carry_a_mean_and_its_interval_says_so() {
-        let (a, b) = (
-            FollowingMethod::IdmPopulationOwnTimeGap,
-            FollowingMethod::IdmPopulation,
-        );
+        let (a, b) = (FollowingMethod::IdmPopulationOwnTimeGap, FollowingMethod::IdmPopulation);
         let mut differences = vec![0.1; 19];
         differences.push(-20.0);
         let found = compared(a, b, &differences, 1).unwrap();

@@ -6,9 +6,7 @@ use maveric_following::{Compared, FollowingEvaluation, FollowingMethod};
 /// Each way of knowing the driver against the same for everybody.
 pub(crate) fn beside_everybody(evaluation: &FollowingEvaluation) -> Vec<&Compared> {
     let pairs = evaluation.compared.iter();
-    pairs
-        .filter(|c| c.beside == FollowingMethod::IdmPopulation)
-        .collect()
+    pairs.filter(|c| c.beside == FollowingMethod::IdmPopulation).collect()
 }
 
 /// The findings of an evaluation; errors have to be below those that they are held beside, and no drive may reach its leader.
@@ -21,15 +19,11 @@ pub(crate) fn findings(evaluation: &FollowingEvaluation) -> Vec<Finding> {
     };
     let pairs = beside_everybody(evaluation);
     let driven = evaluation.driven;
-    let (hits, drives) = evaluation
-        .mean(driven)
-        .map_or((0, 0), |mean| (mean.reached_zero, mean.drivers));
+    let (hits, drives) =
+        evaluation.mean(driven).map_or((0, 0), |mean| (mean.reached_zero, mean.drivers));
     vec![
         Finding::every(Question::Personal, pairs.iter().map(part).collect()),
-        Finding::every(
-            Question::Reached,
-            vec![Part::never(driven.label(), hits, drives)],
-        ),
+        Finding::every(Question::Reached, vec![Part::never(driven.label(), hits, drives)]),
     ]
 }
 
@@ -78,11 +72,7 @@ mod tests {
     #[test]
     fn one_way_of_knowing_the_driver_that_fails_is_enough() {
         let mut evaluation = found(8, -1.8, -0.2);
-        assert_eq!(
-            findings(&evaluation)[0].parts.len(),
-            1,
-            "not own beside own"
-        );
+        assert_eq!(findings(&evaluation)[0].parts.len(), 1, "not own beside own");
         let mut own = evaluation.compared[0];
         own.method = FollowingMethod::IdmOwn;
         (own.low_m, own.high_m) = (Some(0.2), Some(1.8));
@@ -110,20 +100,10 @@ mod tests {
             personal: beside_everybody(&evaluation),
         };
         let cards = following.cards(&findings(&evaluation)).unwrap();
-        let [personal, reached] = cards.as_slice() else {
-            panic!("{cards:?}")
-        };
-        assert!(
-            personal.answer.contains("1 of 8 nearer, 7 further off"),
-            "{}",
-            personal.answer
-        );
+        let [personal, reached] = cards.as_slice() else { panic!("{cards:?}") };
+        assert!(personal.answer.contains("1 of 8 nearer, 7 further off"), "{}", personal.answer);
         assert!(!personal.answer.contains("D1"));
-        assert!(
-            reached.answer.contains("IDM, population and own time gap"),
-            "{}",
-            reached.answer
-        );
+        assert!(reached.answer.contains("IDM, population and own time gap"), "{}", reached.answer);
     }
 
     #[test]
@@ -137,9 +117,6 @@ mod tests {
             }
             findings(&evaluation)[1].verdict
         };
-        assert_eq!(
-            [reached(0, 8), reached(1, 8), reached(0, 4)],
-            [Shown, Fails, TooFew]
-        );
+        assert_eq!([reached(0, 8), reached(1, 8), reached(0, 4)], [Shown, Fails, TooFew]);
     }
 }

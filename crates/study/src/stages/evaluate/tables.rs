@@ -31,11 +31,7 @@ pub(crate) fn texts(
         counted: "",
         drives: evaluation.drivers.len(),
         people: evaluation.people(),
-        names: evaluation
-            .drivers
-            .iter()
-            .map(|d| d.driver.as_str())
-            .collect(),
+        names: evaluation.drivers.iter().map(|d| d.driver.as_str()).collect(),
         driven: evaluation.driven.label(),
     };
     let counted = PageTexts::new(FOLLOWING, &words)?.text("counted")?;
@@ -65,18 +61,11 @@ pub(crate) fn errors(
         .map(|mean| MeanRow {
             label: mean.method.label(),
             best: evaluation.is_best(mean.method),
-            of_drivers: evaluation
-                .drivers
-                .iter()
-                .map(|d| d.gap_rmse_m(mean.method))
-                .collect(),
+            of_drivers: evaluation.drivers.iter().map(|d| d.gap_rmse_m(mean.method)).collect(),
             mean,
         })
         .collect();
-    Ok([
-        texts.table("following-errors", &rows)?,
-        texts.table("following-by-driver", &rows)?,
-    ])
+    Ok([texts.table("following-errors", &rows)?, texts.table("following-by-driver", &rows)?])
 }
 
 #[derive(Serialize)]

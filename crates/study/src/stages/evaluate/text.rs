@@ -11,11 +11,8 @@ pub(super) fn lines(evaluation: &FollowingEvaluation) -> Result<Vec<String>, Stu
     let texts = &texts(evaluation, None)?;
     let block = |table: &Table| table.to_text().trim_end().to_owned();
     let [means, _] = errors(evaluation, texts)?;
-    let mut blocks = vec![
-        block(&means),
-        texts.text("driven_line")?,
-        block(&drivers(evaluation, texts)?),
-    ];
+    let mut blocks =
+        vec![block(&means), texts.text("driven_line")?, block(&drivers(evaluation, texts)?)];
     if !evaluation.compared.is_empty() {
         blocks.push(block(&compared(evaluation, texts)?));
     }

@@ -68,11 +68,7 @@ pub(super) fn write(
     }
     let design = &declared.design;
     write_codebook(questionnaires, Some(design), out)?;
-    write_rows(
-        TableName::Factors,
-        &out.join("factors.csv"),
-        factors(design, people),
-    )
+    write_rows(TableName::Factors, &out.join("factors.csv"), factors(design, people))
 }
 
 /// Copies a text that names nobody.
@@ -97,15 +93,11 @@ impl Declared {
             toml::from_str(&read_text(&path)?).map_err(|e| bad(e.to_string()))?;
         let mut head = "# As the study declared it, but for the places of its files.\n".to_owned();
         if let Some(Value::Table(exclude)) = table.get_mut("exclude") {
-            for (key, one, several) in [
-                ("people", "person", "people"),
-                ("drives", "drive", "drives"),
-            ] {
+            for (key, one, several) in
+                [("people", "person", "people"), ("drives", "drive", "drives")]
+            {
                 let named = exclude.remove(key);
-                let n = named
-                    .as_ref()
-                    .and_then(Value::as_table)
-                    .map_or(0, Table::len);
+                let n = named.as_ref().and_then(Value::as_table).map_or(0, Table::len);
                 if n > 0 {
                     let left_out = count(n, one, several);
                     let comment = format!(
@@ -138,11 +130,7 @@ impl Declared {
         let design = design
             .map_err(|e| bad(format!("cannot be given away without the names in it: {e}")))?;
         let doubt = "words of study.toml that name somebody are `…` in the export".to_owned();
-        Ok(Self {
-            design,
-            text,
-            doubt: hides.then_some(doubt),
-        })
+        Ok(Self { design, text, doubt: hides.then_some(doubt) })
     }
 }
 
@@ -152,21 +140,15 @@ fn cleared(value: &mut Value, ids: &Ids) -> bool {
         Value::String(text) => {
             if Path::new(text.as_str()).is_absolute() {
                 let name = PathBuf::from(&*text);
-                *text = Path::new(name.file_name().unwrap_or_default())
-                    .to_slash_lossy()
-                    .into();
+                *text = Path::new(name.file_name().unwrap_or_default()).to_slash_lossy().into();
             }
             let hidden = ids.hidden(text);
             let hides = hidden.is_some();
             *text = hidden.unwrap_or_else(|| std::mem::take(text));
             hides
         }
-        Value::Array(values) => values
-            .iter_mut()
-            .fold(false, |any, v| any | cleared(v, ids)),
-        Value::Table(table) => table
-            .iter_mut()
-            .fold(false, |any, (_, v)| any | cleared(v, ids)),
+        Value::Array(values) => values.iter_mut().fold(false, |any, v| any | cleared(v, ids)),
+        Value::Table(table) => table.iter_mut().fold(false, |any, (_, v)| any | cleared(v, ids)),
         _ => false,
     }
 }
@@ -221,10 +203,7 @@ fn factors(design: &Design, people: &[Enrolled]) -> Vec<FactorRow> {
     }
     rows.extend(design.covariates().iter().map(|covariate| {
         let given = people.iter().filter_map(|p| cell(p, &covariate.column));
-        FactorRow {
-            people: Some(given.count()),
-            ..row(&covariate.column, "covariate", None)
-        }
+        FactorRow { people: Some(given.count()), ..row(&covariate.column, "covariate", None) }
     }));
     rows
 }

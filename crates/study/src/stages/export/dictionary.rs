@@ -55,11 +55,7 @@ pub(super) fn write(
     let list = TableName::Files.entry();
     for known in &list.columns {
         let column = known.name.clone();
-        rows.extend(
-            list.files
-                .iter()
-                .map(|file| row(file, column.clone(), (list, known), None)),
-        );
+        rows.extend(list.files.iter().map(|file| row(file, column.clone(), (list, known), None)));
     }
     write_rows(TableName::Dictionary, &folder.join(DICTIONARY), rows)
 }
@@ -74,13 +70,7 @@ fn row(
     let general = || (known.unit.clone(), known.means.clone());
     let (unit, means) = of_study.unwrap_or_else(general);
     let made_in = known.made_in.as_ref().or(entry.made_in.as_ref());
-    Row {
-        file: file.to_owned(),
-        column,
-        unit,
-        means,
-        made_in: made_in.cloned(),
-    }
+    Row { file: file.to_owned(), column, unit, means, made_in: made_in.cloned() }
 }
 
 /// Unit, if it has one, and title of a measure of the study's own.

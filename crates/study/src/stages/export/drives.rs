@@ -55,11 +55,7 @@ fn renamed<'a>(
         if *number > 1 {
             drive = DriveId::new(format!("{drive}-{number}"))?;
         }
-        let meta = DriveMeta {
-            drive,
-            participant,
-            ..meta.clone()
-        };
+        let meta = DriveMeta { drive, participant, ..meta.clone() };
         Ok((meta, recording))
     };
     drives.iter().map(rename).collect()
@@ -70,11 +66,7 @@ fn from_zero(recording: &Recording) -> Result<Recording, StudyError> {
     let millimetres = |x: f64| (x * 1000.0).round() / 1000.0;
     let (time, ego) = (recording.time_s(), recording.ego());
     let (start, origin) = (time[0], ego.x_m[0]);
-    let along = |x: &[f64]| {
-        x.iter()
-            .map(|x| millimetres(x - origin))
-            .collect::<Vec<f64>>()
-    };
+    let along = |x: &[f64]| x.iter().map(|x| millimetres(x - origin)).collect::<Vec<f64>>();
     let rounded = |y: &[f64]| y.iter().map(|y| millimetres(*y)).collect::<Vec<f64>>();
     let mut moved_ego = ego.clone();
     (moved_ego.x_m, moved_ego.y_m) = (along(&ego.x_m), rounded(&ego.y_m));
@@ -94,11 +86,7 @@ fn from_zero(recording: &Recording) -> Result<Recording, StudyError> {
         others.collect(),
     )?;
     let moved = moved.seen_by(recording.sees());
-    Ok(if recording.has_lateral() {
-        moved
-    } else {
-        moved.without_lateral()
-    })
+    Ok(if recording.has_lateral() { moved } else { moved.without_lateral() })
 }
 
 #[cfg(test)]

@@ -104,9 +104,7 @@ impl LeftOut {
         let forgotten = study.forgotten()?;
         let mut left_out = Self {
             doubts: doubts(study).into_iter().collect(),
-            names: named
-                .chain(forgotten.ids().map(ToString::to_string))
-                .collect(),
+            names: named.chain(forgotten.ids().map(ToString::to_string)).collect(),
             ..Self::default()
         };
         material.people.retain(|p| left_out.person(&gate, &p.id));
@@ -119,20 +117,16 @@ impl LeftOut {
             }
         };
         material.answers.retain(|a| keeps(&a.participant, a.moment));
-        material
-            .probes
-            .retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
-        material.drives.retain(
-            |(meta, recording)| match gate.drive(meta, duration_s(recording)) {
-                None => true,
-                Some(why) => {
-                    left_out.person(&gate, &meta.participant);
-                    left_out.names.insert(meta.drive.to_string());
-                    left_out.drives.push(why);
-                    false
-                }
-            },
-        );
+        material.probes.retain(|p| keeps(&p.participant, Moment::Probe(p.ride)));
+        material.drives.retain(|(meta, recording)| match gate.drive(meta, duration_s(recording)) {
+            None => true,
+            Some(why) => {
+                left_out.person(&gate, &meta.participant);
+                left_out.names.insert(meta.drive.to_string());
+                left_out.drives.push(why);
+                false
+            }
+        });
         for (meta, error) in material.unread.drain(..) {
             let Some(why) = gate.drive(&meta, f64::INFINITY) else {
                 return Err(error);
@@ -260,16 +254,10 @@ mod tests {
         std::fs::write(file(".maveric/study.lock"), ledger).unwrap();
         assert_eq!(doubts(&save(rules)), None);
         let doubt = doubts(&save("straight_lined = true\ndrive_shorter_than_s = 300\n")).unwrap();
-        assert!(
-            doubt.contains("analysis.json is older than the design"),
-            "{doubt}"
-        );
+        assert!(doubt.contains("analysis.json is older than the design"), "{doubt}");
         // What came later in its place, the ledger knows nothing of.
         std::fs::write(file("results/analysis.json"), "{ }").unwrap();
-        assert_eq!(
-            doubts(&DesignFile::read(&file("study.toml")).unwrap()),
-            None
-        );
+        assert_eq!(doubts(&DesignFile::read(&file("study.toml")).unwrap()), None);
     }
 
     #[test]

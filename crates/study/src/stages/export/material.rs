@@ -119,11 +119,7 @@ impl Material {
         let measured = self.own.iter().map(|row| &row.participant);
         let analysed = self.outcomes.iter().flat_map(|data| &data.participants);
         let probed = self.probes.iter().map(|p| &p.participant);
-        let tables = people
-            .chain(answered)
-            .chain(probed)
-            .chain(drove)
-            .chain(measured);
+        let tables = people.chain(answered).chain(probed).chain(drove).chain(measured);
         tables.chain(analysed).chain(self.collected.people())
     }
 }
@@ -204,10 +200,7 @@ mod tests {
         let (drives, unread) = read(&named, "").unwrap();
         let (meta, error) = unread.unwrap();
         assert!(drives.is_empty());
-        assert_eq!(
-            (meta.participant.as_str(), meta.condition.as_str()),
-            ("P03", "calm")
-        );
+        assert_eq!((meta.participant.as_str(), meta.condition.as_str()), ("P03", "calm"));
         let help = error.suggestion().unwrap();
         assert!(help.contains("drives = { \"P03-calm\" = "), "{help}");
         let bare = IngestSettings::default();

@@ -62,11 +62,7 @@ pub(super) fn write(
             long.push((key, levels(design, *condition), of_person(*index), cells));
         }
     }
-    write_rows(
-        TableName::OutcomesLong,
-        &out.join("outcomes_long.csv"),
-        long,
-    )?;
+    write_rows(TableName::OutcomesLong, &out.join("outcomes_long.csv"), long)?;
     let wide = rows.iter().map(|(name, index)| {
         let cells = observed.iter().flat_map(|seen| {
             let one = |(c, values): &(ConditionId, Vec<Option<f64>>)| {
@@ -74,17 +70,9 @@ pub(super) fn write(
             };
             seen.conditions.iter().map(one)
         });
-        (
-            ("participant", name),
-            of_person(*index),
-            cells.collect::<Vec<Cell<f64>>>(),
-        )
+        (("participant", name), of_person(*index), cells.collect::<Vec<Cell<f64>>>())
     });
-    write_rows(
-        TableName::OutcomesWide,
-        &out.join("outcomes_wide.csv"),
-        wide,
-    )?;
+    write_rows(TableName::OutcomesWide, &out.join("outcomes_wide.csv"), wide)?;
     Ok(observed)
 }
 
@@ -119,10 +107,7 @@ mod tests {
 
     fn seen(outcome: &str, conditions: &[(&str, Option<f64>)]) -> Observed {
         let values = conditions.iter().map(|(condition, value)| {
-            (
-                condition.parse::<ConditionId>().unwrap(),
-                vec![None, *value],
-            )
+            (condition.parse::<ConditionId>().unwrap(), vec![None, *value])
         });
         Observed {
             outcome: outcome.to_owned(),
@@ -139,19 +124,9 @@ mod tests {
             "[study]\ntitle = \"A study\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"",
         );
         let design = design.unwrap();
-        let alone = seen(
-            "alone",
-            &[("own", Some(1.0)), ("calm", Some(2.0)), ("sporty", None)],
-        );
+        let alone = seen("alone", &[("own", Some(1.0)), ("calm", Some(2.0)), ("sporty", None)]);
         assert_eq!(compared(&design, std::slice::from_ref(&alone)), None);
-        let both = seen(
-            "both",
-            &[
-                ("own", Some(1.0)),
-                ("calm", Some(2.0)),
-                ("sporty", Some(3.0)),
-            ],
-        );
+        let both = seen("both", &[("own", Some(1.0)), ("calm", Some(2.0)), ("sporty", Some(3.0))]);
         let columns = ["both.calm", "both.sporty"].map(str::to_owned);
         assert_eq!(compared(&design, &[alone, both]), Some(columns.to_vec()));
     }

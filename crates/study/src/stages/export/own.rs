@@ -33,9 +33,7 @@ pub(super) fn read(path: &Path, study: &DesignFile) -> Result<Vec<OwnRow>, Study
     let row = |(index, (participant, condition)): (usize, (ParticipantId, ConditionId))| OwnRow {
         participant,
         condition,
-        cells: (columns.iter())
-            .map(|(name, cells)| (name.clone(), cells[index].clone()))
-            .collect(),
+        cells: (columns.iter()).map(|(name, cells)| (name.clone(), cells[index].clone())).collect(),
     };
     let whose = people.into_iter().zip(conditions);
     Ok(whose.enumerate().map(row).collect())
@@ -60,9 +58,7 @@ pub(super) fn write(out: &Path, rows: &[OwnRow], names: &Pseudonyms) -> Result<(
     if rows.is_empty() {
         return Ok(());
     }
-    let given = rows
-        .iter()
-        .map(|row| (names.pseudonym(&row.participant), row));
+    let given = rows.iter().map(|row| (names.pseudonym(&row.participant), row));
     let mut given: Vec<(ParticipantId, &OwnRow)> = given.collect();
     given.sort_by(|a, b| (&a.0, a.1.condition).cmp(&(&b.0, b.1.condition)));
     let given = given.into_iter().map(|(name, row)| {

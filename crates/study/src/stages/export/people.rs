@@ -65,11 +65,7 @@ pub(super) fn write(
             telling,
         )
     });
-    write_rows(
-        TableName::Participants,
-        &out.join("participants.csv"),
-        given,
-    )?;
+    write_rows(TableName::Participants, &out.join("participants.csv"), given)?;
     let mut warnings = alike(people, design);
     let covariates = design.covariates().iter().map(|c| c.column.as_str());
     let exact: Vec<&str> = covariates.filter(|c| *c != AGE).collect();
@@ -90,13 +86,7 @@ fn alike(people: &[Enrolled], design: &Design) -> Vec<String> {
     for p in people {
         let learned = p.learned_from.then(|| "learned from".to_owned());
         let professional = p.professional.then(|| "professional".to_owned());
-        let words = [
-            learned,
-            p.population.clone(),
-            cell(p, AGE),
-            p.gender.clone(),
-            professional,
-        ];
+        let words = [learned, p.population.clone(), cell(p, AGE), p.gender.clone(), professional];
         let levels = factors.iter().map(|factor| cell(p, factor));
         let words: Vec<String> = words.into_iter().chain(levels).flatten().collect();
         *groups.entry(words.join(", ")).or_default() += 1;
@@ -112,9 +102,6 @@ mod tests {
 
     #[test]
     fn ages_fall_into_bands_of_ten() {
-        assert_eq!(
-            [18.0, 39.9, 40.0].map(band),
-            ["10-19", "30-39", "40-49"].map(str::to_owned)
-        );
+        assert_eq!([18.0, 39.9, 40.0].map(band), ["10-19", "30-39", "40-49"].map(str::to_owned));
     }
 }

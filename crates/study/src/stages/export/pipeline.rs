@@ -22,10 +22,7 @@ pub(super) fn text(
 ) -> Result<String, toml::ser::Error> {
     let follows = study.filter(|_| follows_from(study, run));
     let anew = follows.map(|(_, given)| {
-        design_pipeline(&DesignFile {
-            path: Some(out.join(DESIGN_FILE)),
-            design: given.clone(),
-        })
+        design_pipeline(&DesignFile { path: Some(out.join(DESIGN_FILE)), design: given.clone() })
     });
     with_settings(anew.unwrap_or_else(|| run.text.clone()), &run.set)
 }
@@ -35,9 +32,7 @@ fn with_settings(text: String, set: &BTreeMap<String, String>) -> Result<String,
     let (false, Ok(mut pipeline)) = (set.is_empty(), toml::from_str::<Table>(&text)) else {
         return Ok(text);
     };
-    let params = pipeline
-        .entry("params")
-        .or_insert_with(|| Table::new().into());
+    let params = pipeline.entry("params").or_insert_with(|| Table::new().into());
     if let Value::Table(params) = params {
         for (key, value) in set {
             let value = like(value, params.get(key));
@@ -56,9 +51,7 @@ fn like(value: &str, before: Option<&Value>) -> Value {
         return words();
     }
     let read = toml::from_str::<Table>(&format!("value = {value}"));
-    read.ok()
-        .and_then(|mut table| table.remove("value"))
-        .unwrap_or_else(words)
+    read.ok().and_then(|mut table| table.remove("value")).unwrap_or_else(words)
 }
 
 #[cfg(test)]
@@ -70,21 +63,12 @@ mod tests {
         let text =
             "# Mine\nname = \"mine\"\n[params]\nduration = 600\nheads = \"linear\"\nseed = 1\n";
         let set = |pairs: &[(&str, &str)]| {
-            let pairs = pairs
-                .iter()
-                .map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
+            let pairs = pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned()));
             with_settings(text.to_owned(), &pairs.collect()).unwrap()
         };
         assert_eq!(set(&[]), text);
-        let given = set(&[
-            ("duration", "240"),
-            ("heads", "paper"),
-            ("of_another", "1,2"),
-        ]);
-        assert!(
-            given.starts_with("# As set for the run: duration, "),
-            "{given}"
-        );
+        let given = set(&[("duration", "240"), ("heads", "paper"), ("of_another", "1,2")]);
+        assert!(given.starts_with("# As set for the run: duration, "), "{given}");
         let read: Table = toml::from_str(&given).unwrap();
         let params = &read["params"];
         assert_eq!(params["duration"].as_integer(), Some(240));
@@ -109,10 +93,7 @@ mod tests {
         let given = design("[files]\nanswers = \"surveys.csv\"\n");
         let out = tempfile::tempdir().unwrap();
         let of = |text: String| {
-            let run = PipelineRun {
-                text,
-                ..PipelineRun::default()
-            };
+            let run = PipelineRun { text, ..PipelineRun::default() };
             super::text(&run, Some((&study, &given)), out.path()).unwrap()
         };
         let designed = of(design_pipeline(&study));

@@ -52,11 +52,7 @@ impl Place {
         for name in files(&fresh)? {
             let path = fresh.join(&name);
             let bytes = fs::read(&path).map_err(StudyError::read(&path))?;
-            given.push(Given {
-                file: name,
-                bytes: bytes.len(),
-                blake3: hash_of(&bytes),
-            });
+            given.push(Given { file: name, bytes: bytes.len(), blake3: hash_of(&bytes) });
         }
         Ok(given)
     }
@@ -176,10 +172,7 @@ mod tests {
 
         fs::write(out.join("logs/raw.mcap"), "somebody").unwrap();
         let error = exported(&out, &["people.csv"]).unwrap_err().to_string();
-        assert!(
-            error.contains("`logs/raw.mcap`, which no export wrote"),
-            "{error}"
-        );
+        assert!(error.contains("`logs/raw.mcap`, which no export wrote"), "{error}");
         assert_eq!(files(&out).unwrap().len(), 4);
         let error = exported(folder.path(), &["people.csv"]).unwrap_err();
         assert!(error.to_string().contains("no export wrote"), "{error}");

@@ -28,9 +28,7 @@ impl Pseudonyms {
         let bad = |problem: String| StudyError::file(key, problem).with_help(help);
         let absolute = |path: &Path| std::path::absolute(path).map_err(StudyError::read(path));
         if absolute(key)?.starts_with(absolute(out)?) {
-            return Err(bad(
-                "the key lies in the folder that is given away".to_owned()
-            ));
+            return Err(bad("the key lies in the folder that is given away".to_owned()));
         }
         let bytes = std::fs::read(key).map_err(StudyError::read(key))?;
         let secret = bytes.trim_ascii();
@@ -94,11 +92,7 @@ impl Pseudonyms {
         let mut text = text.to_owned();
         for (id, name) in &self.names {
             let id = id.as_str();
-            let name = if named::is_number(id) {
-                named::HIDDEN
-            } else {
-                name.as_str()
-            };
+            let name = if named::is_number(id) { named::HIDDEN } else { name.as_str() };
             text = named::with(&text, id, name);
         }
         text
@@ -162,9 +156,7 @@ mod tests {
         assert!(one.starts_with('P') && one.len() == 11 && !one.contains("Anna"));
         let error = with("d", "short").err().unwrap().to_string();
         assert!(error.contains("5 characters"), "{error}");
-        let inside = Pseudonyms::read(&folder.path().join("a"), folder.path())
-            .err()
-            .unwrap();
+        let inside = Pseudonyms::read(&folder.path().join("a"), folder.path()).err().unwrap();
         assert!(inside.to_string().contains("given away"));
     }
 }

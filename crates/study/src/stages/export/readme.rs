@@ -27,30 +27,15 @@ const OTHERS: [(&str, &str); 8] = [
         "drives/",
         "The same drives as tables, a row a sample: the signals that the measures are computed from.",
     ),
-    (
-        "scales/",
-        "The questionnaires: range, items, reversed items and scores of each (TOML).",
-    ),
-    (
-        "study.toml",
-        "The design: conditions, factors, outcomes, hypotheses, rules of exclusion.",
-    ),
-    (
-        "scenario.toml",
-        "The road and the traffic of what was simulated or driven in the seat.",
-    ),
-    (
-        "codebook.md",
-        "The questionnaires and the study’s own measures, for people.",
-    ),
+    ("scales/", "The questionnaires: range, items, reversed items and scores of each (TOML)."),
+    ("study.toml", "The design: conditions, factors, outcomes, hypotheses, rules of exclusion."),
+    ("scenario.toml", "The road and the traffic of what was simulated or driven in the seat."),
+    ("codebook.md", "The questionnaires and the study’s own measures, for people."),
     (
         "pipeline.toml",
         "The stages by which the results were made, with what was set for their run.",
     ),
-    (
-        "seat/",
-        "What happened in the seat, and which text was agreed to.",
-    ),
+    ("seat/", "What happened in the seat, and which text was agreed to."),
 ];
 
 pub(super) struct Holds<'a> {

@@ -64,13 +64,8 @@ pub(super) struct Given {
 impl PipelineRun {
     /// Paths of the models that were learned or used.
     pub(super) fn models(&self) -> impl Iterator<Item = &str> {
-        let files = self
-            .steps
-            .iter()
-            .flat_map(|s| s.inputs.keys().chain(s.outputs.keys()));
-        files
-            .map(String::as_str)
-            .filter(|path| path.ends_with(".maveric"))
+        let files = self.steps.iter().flat_map(|s| s.inputs.keys().chain(s.outputs.keys()));
+        files.map(String::as_str).filter(|path| path.ends_with(".maveric"))
     }
 
     /// The run without what `names` somebody, and how many paths and command lines that are.
@@ -136,23 +131,11 @@ fn references<'a>(ids: impl IntoIterator<Item = &'a str>) -> Value {
 pub(super) fn metadata(design: &Design, about: &About, files: &[Given]) -> Value {
     const WORKFLOW: &str = "https://w3id.org/workflowhub/workflow-ro-crate/1.0";
     const PROFILES: [(&str, &str, &str); 3] = [
-        (
-            "https://w3id.org/ro/wfrun/process/0.5",
-            "Process Run Crate",
-            "0.5",
-        ),
-        (
-            "https://w3id.org/ro/wfrun/workflow/0.5",
-            "Workflow Run Crate",
-            "0.5",
-        ),
+        ("https://w3id.org/ro/wfrun/process/0.5", "Process Run Crate", "0.5"),
+        ("https://w3id.org/ro/wfrun/workflow/0.5", "Workflow Run Crate", "0.5"),
         (WORKFLOW, "Workflow RO-Crate", "1.0"),
     ];
-    let profiles = if about.run.is_some() {
-        &PROFILES[..]
-    } else {
-        &PROFILES[..1]
-    };
+    let profiles = if about.run.is_some() { &PROFILES[..] } else { &PROFILES[..1] };
     // The metadata of a workflow keep to its own profile too.
     let standards = ["https://w3id.org/ro/crate/1.1"].into_iter();
     let standards = standards.chain(about.run.as_ref().map(|_| WORKFLOW));
@@ -349,36 +332,19 @@ mod tests {
             .into(),
             outputs: [("results/drives".to_owned(), "3".to_owned())].into(),
         };
-        let run = PipelineRun {
-            steps: vec![step],
-            ..PipelineRun::default()
-        };
+        let run = PipelineRun { steps: vec![step], ..PipelineRun::default() };
         let mut warnings = Vec::new();
         let run = cleared(run, &ids, &[], &mut warnings);
-        assert!(
-            warnings[0].starts_with("2 paths and commands"),
-            "{warnings:?}"
-        );
+        assert!(warnings[0].starts_with("2 paths and commands"), "{warnings:?}");
         let design = Design::from_toml(
             "[study]\ntitle = \"A study\"\nauthors = [\"A. Author\"]\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"",
         );
-        let about = About {
-            run,
-            ..About::default()
-        };
+        let about = About { run, ..About::default() };
         let text = metadata(&design.unwrap(), &about, &[]).to_string();
-        assert!(
-            !text.contains("anna") && text.contains("blake3:3"),
-            "{text}"
-        );
-        assert!(
-            text.contains("\"author\":{\"@id\":\"#author-1\"}"),
-            "{text}"
-        );
-        let named = PipelineRun {
-            text: "maveric ingest logs/anna".to_owned(),
-            ..PipelineRun::default()
-        };
+        assert!(!text.contains("anna") && text.contains("blake3:3"), "{text}");
+        assert!(text.contains("\"author\":{\"@id\":\"#author-1\"}"), "{text}");
+        let named =
+            PipelineRun { text: "maveric ingest logs/anna".to_owned(), ..PipelineRun::default() };
         assert!(cleared(named, &ids, &[], &mut warnings).is_none());
         let set_to = |value: &str| PipelineRun {
             set: [("logs".to_owned(), value.to_owned())].into(),

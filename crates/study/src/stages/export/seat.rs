@@ -117,8 +117,7 @@ impl Collected {
         }
         if !self.stopped.is_empty() {
             let ride = |row: &Stopped| (row.condition, row.session, row.trial);
-            self.stopped
-                .sort_by(|a, b| (&a.participant, ride(a)).cmp(&(&b.participant, ride(b))));
+            self.stopped.sort_by(|a, b| (&a.participant, ride(a)).cmp(&(&b.participant, ride(b))));
             write_rows(TableName::Stopped, &out.join(STOPPED), &self.stopped)?;
         }
         for row in &mut self.consents {
@@ -126,23 +125,13 @@ impl Collected {
             row.at = None;
         }
         // Sorted by pseudonym, so that the order of the rows gives nobody away; each person's stay in their order.
-        self.events
-            .sort_by(|a, b| a.participant.cmp(&b.participant));
-        self.consents
-            .sort_by(|a, b| a.participant.cmp(&b.participant));
+        self.events.sort_by(|a, b| a.participant.cmp(&b.participant));
+        self.consents.sort_by(|a, b| a.participant.cmp(&b.participant));
         if !self.not_admitted.is_empty() {
-            write_rows(
-                TableName::NotAdmitted,
-                &out.join(NOT_ADMITTED),
-                &self.not_admitted,
-            )?;
+            write_rows(TableName::NotAdmitted, &out.join(NOT_ADMITTED), &self.not_admitted)?;
         }
         if !self.not_agreed.is_empty() {
-            write_rows(
-                TableName::NotAgreed,
-                &out.join(NOT_AGREED),
-                &self.not_agreed,
-            )?;
+            write_rows(TableName::NotAgreed, &out.join(NOT_AGREED), &self.not_agreed)?;
         }
         for row in &mut self.lent {
             row.participant = names.pseudonym(&row.participant);
@@ -189,11 +178,7 @@ fn named_in(text: &str, people: &BTreeSet<String>) -> bool {
 /// The donor of a style by their pseudonym; of whoever is not in the export nothing is said.
 fn donor_given_away(donor: &DriveId, names: &Pseudonyms) -> Result<DriveId, StudyError> {
     let renamed = names.rename(donor.as_str());
-    let name = if renamed == donor.as_str() {
-        "withheld"
-    } else {
-        &renamed
-    };
+    let name = if renamed == donor.as_str() { "withheld" } else { &renamed };
     Ok(DriveId::new(name)?)
 }
 
@@ -240,9 +225,7 @@ mod tests {
         std::fs::write(&key, "0123456789abcdef0123456789abcdef").unwrap();
         let out = folder.path().join("shared");
         let mut names = Pseudonyms::read(&key, &out).unwrap();
-        names
-            .add_all([&ParticipantId::new("P1").unwrap()].into_iter())
-            .unwrap();
+        names.add_all([&ParticipantId::new("P1").unwrap()].into_iter()).unwrap();
         let left_out = BTreeSet::from(["P9".to_owned()]);
         collected(notes).write(&out, &names, &left_out).unwrap();
         let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
@@ -253,22 +236,13 @@ mod tests {
     fn what_the_experimenter_said_of_a_step_is_given_away_with_the_notes_alone() {
         let (events, stopped) = given(None);
         for table in [&events, &stopped] {
-            assert!(
-                table.contains("misc >= 6") && table.contains("skipped"),
-                "{table}"
-            );
+            assert!(table.contains("misc >= 6") && table.contains("skipped"), "{table}");
             assert!(!table.contains("ill") && !table.contains("P1"), "{table}");
         }
         let (events, stopped) = given(Some(Vec::new()));
         for table in [&events, &stopped] {
-            assert!(
-                table.contains("was ill") && !table.contains("P1"),
-                "{table}"
-            );
+            assert!(table.contains("was ill") && !table.contains("P1"), "{table}");
         }
-        assert!(
-            events.contains("aborted") && !events.contains("P9"),
-            "{events}"
-        );
+        assert!(events.contains("aborted") && !events.contains("P9"), "{events}");
     }
 }

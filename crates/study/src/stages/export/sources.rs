@@ -70,11 +70,8 @@ impl Sources {
         };
         // What made-up people said of the conditions is among the results of a run.
         let ratings = there(&Path::new(RESULTS).join(RATINGS)).filter(|_| study.design.synthetic());
-        let ingested = Ingest {
-            mapping: options.mapping.clone(),
-            rate_hz: options.rate,
-            ..Ingest::default()
-        };
+        let ingested =
+            Ingest { mapping: options.mapping.clone(), rate_hz: options.rate, ..Ingest::default() };
         Ok(Self {
             logs: logs::of_study(&ingested, study)?,
             participants: there(&study.design.people().file),

@@ -27,14 +27,8 @@ impl Answered {
         let is_asked = |is: fn(Moment) -> bool| answers.iter().any(|a| is(a.moment));
         let moments = [
             (is_asked(|m| m == Moment::Pre), "before the drives (`pre`)"),
-            (
-                !probes.is_empty(),
-                "during a ride (`probe:` and its condition)",
-            ),
-            (
-                is_asked(|m| matches!(m, Moment::After(_))),
-                "after a condition (its id)",
-            ),
+            (!probes.is_empty(), "during a ride (`probe:` and its condition)"),
+            (is_asked(|m| matches!(m, Moment::After(_))), "after a condition (its id)"),
             (is_asked(|m| m == Moment::Post), "at the end (`post`)"),
         ];
         let moments = moments.into_iter().filter(|(is_asked, _)| *is_asked);
@@ -48,9 +42,7 @@ impl Answered {
         let numbers = given.into_iter().filter(is_number);
         Self {
             moments: moments.map(|(_, moment)| moment).collect(),
-            numbers: numbers
-                .map(|(scale, item)| format!("{scale} {item}"))
-                .collect(),
+            numbers: numbers.map(|(scale, item)| format!("{scale} {item}")).collect(),
         }
     }
 

@@ -119,18 +119,9 @@ pub fn export(
     }
     warnings.extend(place.gone(|name| names.has(name))?);
     dictionary::write(out, &observed, design)?;
-    let value = Exported {
-        participants: names.len(),
-        drives: material.drives.len(),
-        answers,
-    };
+    let value = Exported { participants: names.len(), drives: material.drives.len(), answers };
     let flow = material.outcomes.as_ref().map(|data| &data.flow);
-    let holds = Holds {
-        counts: &value,
-        flow,
-        baseline,
-        runs_here,
-    };
+    let holds = Holds { counts: &value, flow, baseline, runs_here };
     readme::write(out, design, &about, &holds, &observed, &answered, &left_out)?;
     let metadata = ro_crate::metadata(design, &about, &place.given()?);
     write_json(&out.join(METADATA), &metadata)?;

@@ -19,11 +19,7 @@ pub(super) fn refuse(
     scales: &BTreeSet<usize>,
     unused: &BTreeSet<String>,
 ) -> Result<(), StudyError> {
-    for (position, pattern) in columns
-        .patterns()
-        .enumerate()
-        .filter(|(p, _)| scales.contains(p))
-    {
+    for (position, pattern) in columns.patterns().enumerate().filter(|(p, _)| scales.contains(p)) {
         let scale = &columns.scales[position];
         let (before, behind) = pattern.around_item();
         let mut others: BTreeMap<&str, (usize, &str)> = BTreeMap::new();

@@ -55,16 +55,10 @@ impl<'a> Columns<'a> {
     ) -> Result<Self, StudyError> {
         let map = path.map(MapFile::read).transpose()?.unwrap_or_default();
         let bad = |problem| StudyError::file(path.unwrap_or(Path::new("")), problem);
-        if let Some(id) = map
-            .scales
-            .keys()
-            .find(|id| !scales.iter().any(|s| s.id == **id))
-        {
+        if let Some(id) = map.scales.keys().find(|id| !scales.iter().any(|s| s.id == **id)) {
             let known: Vec<&str> = scales.iter().map(|s| s.id.as_str()).collect();
             let known = known.join(", ");
-            return Err(bad(format!(
-                "[scales.{id}]: no such scale; the scales are {known}"
-            )));
+            return Err(bad(format!("[scales.{id}]: no such scale; the scales are {known}")));
         }
         let labels = design.labels();
         let words = map.moments.iter();
@@ -87,18 +81,14 @@ impl<'a> Columns<'a> {
             if let Some(columns) = mapped {
                 columns.fits(scale).map_err(in_scale)?;
             }
-            let pattern = mapped
-                .and_then(|c| c.column.as_ref())
-                .or(scale.column.as_ref());
+            let pattern = mapped.and_then(|c| c.column.as_ref()).or(scale.column.as_ref());
             let convention = || format!("{}_{{item}}", scale.id);
             patterns.push(
                 Pattern::new(&pattern.cloned().unwrap_or_else(convention)).map_err(in_scale)?,
             );
         }
-        let mut words: BTreeMap<String, Moment> = labels
-            .into_iter()
-            .map(|id| (id.to_string(), Moment::after(id)))
-            .collect();
+        let mut words: BTreeMap<String, Moment> =
+            labels.into_iter().map(|id| (id.to_string(), Moment::after(id))).collect();
         words.extend(map.moments.clone());
         Ok(Self {
             scales,
@@ -176,15 +166,8 @@ impl<'a> Columns<'a> {
 
     /// The moment that a word means by the map or the design, in small or large letters.
     pub(super) fn moment_by_word(&self, word: &str) -> Option<Moment> {
-        let same = || {
-            self.words
-                .iter()
-                .find(|(w, _)| w.eq_ignore_ascii_case(word))
-        };
-        let exact = self
-            .words
-            .get(word)
-            .or_else(|| same().map(|(_, moment)| moment));
+        let same = || self.words.iter().find(|(w, _)| w.eq_ignore_ascii_case(word));
+        let exact = self.words.get(word).or_else(|| same().map(|(_, moment)| moment));
         let known = [Moment::Pre, Moment::Post];
         let named = |moment: &Moment| moment.to_string().eq_ignore_ascii_case(word);
         exact.copied().or_else(|| known.into_iter().find(named))
@@ -195,10 +178,7 @@ impl<'a> Columns<'a> {
         let stands = |(word, moment): &(&String, &Moment)| {
             moment.condition().is_some() && place_of(name, word).is_some()
         };
-        self.words
-            .iter()
-            .find(stands)
-            .map(|(word, _)| word.as_str())
+        self.words.iter().find(stands).map(|(word, _)| word.as_str())
     }
 
     /// Fields that may say the moment.
@@ -255,11 +235,7 @@ impl<'a> Columns<'a> {
             Some(answer) if item.takes(answer) => Ok(Some(answer)),
             _ if text.starts_with('=') => Err(in_place_of_value(text)),
             _ => {
-                let written = Item {
-                    min: item.min - add,
-                    max: item.max - add,
-                    ..item.clone()
-                };
+                let written = Item { min: item.min - add, max: item.max - add, ..item.clone() };
                 Err(format!(
                     "found `{text}`, expected a whole number from {}, or nothing; answers in words can be given their numbers by `labels` in the map of columns",
                     written.range()

@@ -65,13 +65,7 @@ fn decode(
 /// UTF-16 without its mark: every second byte of a text with Latin letters is zero.
 fn by_zeros(bytes: &[u8]) -> Option<&'static Encoding> {
     let head = &bytes[..bytes.len().min(1000) / 2 * 2];
-    let zeros = |from: usize| {
-        head.iter()
-            .skip(from)
-            .step_by(2)
-            .filter(|b| **b == 0)
-            .count()
-    };
+    let zeros = |from: usize| head.iter().skip(from).step_by(2).filter(|b| **b == 0).count();
     let most = head.len() / 2 * 9 / 10;
     match (zeros(0), zeros(1)) {
         (0, odd) if odd > most => Some(UTF_16LE),
@@ -95,8 +89,7 @@ fn western(text: &str) -> Option<String> {
         }
         let within = |place: usize| {
             let side = |at: Option<usize>| {
-                at.and_then(|i| letters.get(i))
-                    .is_some_and(|c| c.is_alphabetic())
+                at.and_then(|i| letters.get(i)).is_some_and(|c| c.is_alphabetic())
             };
             side(place.checked_sub(1)) && side(Some(place + 1))
         };
@@ -123,9 +116,8 @@ fn unknown(bytes: &[u8], encoding: &'static Encoding) -> String {
     let place = std::str::from_utf8(bytes).map_or_else(|e| e.valid_up_to(), |_| 0);
     let line = bytes[..place].split(|byte| *byte == b'\n').count();
     let byte = bytes.get(place).copied().unwrap_or_default();
-    let word: Cow<'_, str> = WINDOWS_1252
-        .decode(&bytes[place.saturating_sub(6)..(place + 6).min(bytes.len())])
-        .0;
+    let word: Cow<'_, str> =
+        WINDOWS_1252.decode(&bytes[place.saturating_sub(6)..(place + 6).min(bytes.len())]).0;
     format!(
         "its line {line} holds the byte {byte:02x}, which is not UTF-8, and Windows-1252 makes `{}` of what stands there: its encoding cannot be told",
         word.trim().replace(['\r', '\n'], " ")
@@ -146,10 +138,7 @@ mod tests {
     fn what_excel_and_spss_write_is_known_by_itself() {
         let text = "who,größe\nP01,für mich\n";
         let utf_16 = |to: fn(u16) -> [u8; 2], mark: bool| -> Vec<u8> {
-            let units = mark
-                .then_some(0xfeff)
-                .into_iter()
-                .chain(text.encode_utf16());
+            let units = mark.then_some(0xfeff).into_iter().chain(text.encode_utf16());
             units.flat_map(to).collect()
         };
         for bytes in [
@@ -177,10 +166,7 @@ mod tests {
             ("ibm866", "a,b\n1,Скала\n"),
             ("windows-1251", "a,b\n1,Скала\n"),
         ] {
-            let bytes = Encoding::for_label(label.as_bytes())
-                .unwrap()
-                .encode(text)
-                .0;
+            let bytes = Encoding::for_label(label.as_bytes()).unwrap().encode(text).0;
             let error = read(&bytes, None).unwrap_err();
             assert!(
                 error.contains("line 2") && error.contains("cannot be told"),
@@ -191,15 +177,7 @@ mod tests {
         // ö in the code page of a German DOS.
         let error = read(b"a,b\n1,gr\x94\xe1e\n", None).unwrap_err();
         assert!(error.contains("the byte 94"), "{error}");
-        assert!(
-            read(b"a", Some("klingon"))
-                .unwrap_err()
-                .contains("`encoding = \"klingon\"`")
-        );
-        assert!(
-            read(b"a,\xff\n", Some("utf-8"))
-                .unwrap_err()
-                .contains("is not UTF-8")
-        );
+        assert!(read(b"a", Some("klingon")).unwrap_err().contains("`encoding = \"klingon\"`"));
+        assert!(read(b"a,\xff\n", Some("utf-8")).unwrap_err().contains("is not UTF-8"));
     }
 }

@@ -99,10 +99,7 @@ impl Export {
     pub(super) fn no_answers(&self, columns: &Columns<'_>) -> (String, String) {
         let scales = columns.scales.iter();
         let patterns: Vec<String> = scales.map(|scale| columns.pattern_of(scale)).collect();
-        let problem = format!(
-            "holds no answers to any scale; looked for {}",
-            patterns.join(", ")
-        );
+        let problem = format!("holds no answers to any scale; looked for {}", patterns.join(", "));
         let texts = matches!(self, Self::Table(grid, _) if is_by_questions(grid));
         let help = if texts {
             "export it again with the codes of the questions as headings (LimeSurvey: Headings, Question code), by which items are known"
@@ -187,11 +184,7 @@ pub(crate) fn has_row_of(study: &DesignFile, id: &ParticipantId) -> Result<bool,
 fn table_of_answers(study: &DesignFile) -> Result<Option<(Grid, usize)>, StudyError> {
     let files = study.design.files();
     let columns = files.columns.as_ref().map(|file| study.resolve(file));
-    let map = columns
-        .as_deref()
-        .map(MapFile::read)
-        .transpose()?
-        .unwrap_or_default();
+    let map = columns.as_deref().map(MapFile::read).transpose()?.unwrap_or_default();
     let path = study.resolve(&files.answers);
     let read = |from| Export::read(&path, from, map.how(None));
     let Ok(Export::Table(grid, format)) = read(Some(files.software)).or_else(|_| read(None)) else {

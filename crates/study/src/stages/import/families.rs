@@ -30,32 +30,18 @@ pub(super) fn families(grid: &Grid, format: &Format) -> Vec<Family> {
         let is_digit = |at: usize| field.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
         let starts = (0..field.len()).filter(|at| is_digit(*at) && (*at == 0 || !is_digit(at - 1)));
         for start in starts {
-            let end = (start..field.len())
-                .find(|at| !is_digit(*at))
-                .unwrap_or(field.len());
+            let end = (start..field.len()).find(|at| !is_digit(*at)).unwrap_or(field.len());
             if let Ok(number) = field[start..end].parse() {
                 let key = (field[..start].to_owned(), field[end..].to_owned());
                 families.entry(key).or_default().insert(number, column);
             }
         }
     }
-    let families = families
-        .into_iter()
-        .map(|((before, behind), columns)| Family {
-            before,
-            behind,
-            columns,
-        });
-    let is_counted = |family: &Family| {
-        family
-            .columns
-            .keys()
-            .copied()
-            .eq(1..=family.columns.len() as u32)
-    };
-    families
-        .filter(|family| family.columns.len() > 1 && is_counted(family))
-        .collect()
+    let families =
+        families.into_iter().map(|((before, behind), columns)| Family { before, behind, columns });
+    let is_counted =
+        |family: &Family| family.columns.keys().copied().eq(1..=family.columns.len() as u32);
+    families.filter(|family| family.columns.len() > 1 && is_counted(family)).collect()
 }
 
 /// The part of a column's name that tells it from others: its field; of a table of no known software the whole, where what stands behind its
@@ -87,11 +73,7 @@ pub(super) fn answers(grid: &Grid, scale: &Scale, family: &Family) -> Answers {
             return Answers::Beyond;
         };
         for cell in grid.filled(*column).filter(|_| item.kind != Kind::Text) {
-            match cell
-                .parse()
-                .ok()
-                .or_else(|| scale.answer_in_words(*number, cell))
-            {
+            match cell.parse().ok().or_else(|| scale.answer_in_words(*number, cell)) {
                 Some(answer) => numbers.push((item, answer)),
                 None => return Answers::Words,
             }
@@ -116,17 +98,12 @@ pub(super) fn joint_pattern(families: &[&Family]) -> Option<(String, Vec<String>
     if rest.is_empty() || rest.iter().any(|f| f.behind != first.behind) {
         return None;
     }
-    let names: Vec<Vec<char>> = families
-        .iter()
-        .map(|f| f.before.chars().collect())
-        .collect();
+    let names: Vec<Vec<char>> = families.iter().map(|f| f.before.chars().collect()).collect();
     let shortest = names.iter().map(Vec::len).min()?;
     let same = |at: &dyn Fn(&Vec<char>) -> Option<char>| {
         names.iter().all(|name| at(name) == at(&names[0]))
     };
-    let ahead = (0..shortest)
-        .take_while(|i| same(&|name| name.get(*i).copied()))
-        .count();
+    let ahead = (0..shortest).take_while(|i| same(&|name| name.get(*i).copied())).count();
     let back = (0..shortest - ahead)
         .take_while(|i| same(&|name| name.iter().rev().nth(*i).copied()))
         .count();
@@ -136,38 +113,23 @@ pub(super) fn joint_pattern(families: &[&Family]) -> Option<(String, Vec<String>
         return None;
     }
     let text = |part: &[char]| part.iter().collect::<String>();
-    let ends = (
-        text(&names[0][..ahead]),
-        text(&names[0][names[0].len() - back..]),
-    );
-    Some((
-        format!("{}{{condition}}{}{{item}}{}", ends.0, ends.1, first.behind),
-        words,
-    ))
+    let ends = (text(&names[0][..ahead]), text(&names[0][names[0].len() - back..]));
+    Some((format!("{}{{condition}}{}{{item}}{}", ends.0, ends.1, first.behind), words))
 }
 
 /// A family's pattern, `{condition}` where a word stands that the study knows as one.
 pub(super) fn with_condition(family: &Family, columns: &Columns<'_>) -> String {
     let known = [Moment::Pre, Moment::Post].map(|moment| moment.to_string());
-    let mut words: Vec<&str> = columns
-        .words()
-        .chain(known.iter().map(String::as_str))
-        .collect();
+    let mut words: Vec<&str> = columns.words().chain(known.iter().map(String::as_str)).collect();
     words.sort_by_key(|word| std::cmp::Reverse(word.len()));
     let replaced = |text: &str| {
-        let place = words
-            .iter()
-            .find_map(|word| Some((place_of(text, word)?, word.len())));
+        let place = words.iter().find_map(|word| Some((place_of(text, word)?, word.len())));
         place.map(|(start, length)| {
             format!("{}{{condition}}{}", &text[..start], &text[start + length..])
         })
     };
     let before = replaced(&family.before);
-    let behind = if before.is_none() {
-        replaced(&family.behind)
-    } else {
-        None
-    };
+    let behind = if before.is_none() { replaced(&family.behind) } else { None };
     format!(
         "{}{{item}}{}",
         before.as_ref().unwrap_or(&family.before),

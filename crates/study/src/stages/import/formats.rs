@@ -52,11 +52,7 @@ const QUALTRICS_TRIALS: Marked = (
 );
 
 /// What it calls rows that may be no person's.
-const QUALTRICS_SPAM: Marked = (
-    "Status",
-    &["8", "12", "Spam", "Imported Spam"],
-    "possible spam",
-);
+const QUALTRICS_SPAM: Marked = ("Status", &["8", "12", "Spam", "Imported Spam"], "possible spam");
 
 /// Every software whose tables are known, those that write what nobody else writes first; the last takes any table.
 pub(super) const FORMATS: [Format; 5] = [
@@ -107,11 +103,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant", "SERIAL", "REF", "CASE"],
         questionnaire: Some("QUESTNNR"),
         // `pretest` stands there; the other words are those of the project's own pages (?).
-        trials: Some((
-            "MODE",
-            &["pretest", "admin", "debug", "qnrpreview"],
-            "pretests",
-        )),
+        trials: Some(("MODE", &["pretest", "admin", "debug", "qnrpreview"], "pretests")),
         doubtful: None,
         missing: &["-1", "-2", "-3", "-8", "-9"],
         pages: false,
@@ -119,11 +111,7 @@ pub(super) const FORMATS: [Format; 5] = [
     Format {
         software: Software::Otree,
         title: "oTree",
-        is: |grid| {
-            any(grid, |name| {
-                name == "participant.code" || name.contains(".player.")
-            })
-        },
+        is: |grid| any(grid, |name| name == "participant.code" || name.contains(".player.")),
         heads: |_| 0,
         participant: &["participant.label", "participant.code", "participant"],
         questionnaire: None,
@@ -155,10 +143,7 @@ impl Format {
     /// Whose table it is, by what stands in it.
     pub(super) fn of_grid(grid: &Grid) -> &'static Self {
         let [.., any] = &FORMATS;
-        FORMATS
-            .iter()
-            .find(|format| (format.is)(grid))
-            .unwrap_or(any)
+        FORMATS.iter().find(|format| (format.is)(grid)).unwrap_or(any)
     }
 
     /// The table without the rows below its names that hold no answers.
@@ -184,11 +169,7 @@ impl Format {
 
     /// What a column is called without the text of its question.
     fn code_of<'c>(&self, column: &'c str) -> &'c str {
-        if self.software == Software::Limesurvey {
-            code(column)
-        } else {
-            column
-        }
+        if self.software == Software::Limesurvey { code(column) } else { column }
     }
 }
 

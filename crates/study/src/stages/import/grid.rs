@@ -50,18 +50,10 @@ impl Grid {
             let problem = "is empty, expected a table with a header line";
             return Err(StudyError::file(path, problem));
         }
-        let tabs = path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("tsv"));
-        let bad = |problem| StudyError::BadTable {
-            path: path.to_owned(),
-            format: "CSV",
-            problem,
-        };
+        let tabs = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tsv"));
+        let bad = |problem| StudyError::BadTable { path: path.to_owned(), format: "CSV", problem };
         let separator = tabs.then_some(b'\t');
-        let frame = maveric_ingest::read_csv(&text, separator)
-            .map_err(bad)?
-            .frame;
+        let frame = maveric_ingest::read_csv(&text, separator).map_err(bad)?.frame;
         let mut short = maveric_ingest::short_rows(&text, separator).map_err(bad)?;
         let mut cells: Vec<Vec<String>> = Vec::new();
         for column in frame.columns() {
@@ -71,21 +63,14 @@ impl Grid {
         }
         // LimeSurvey ends its text with an empty line.
         let is_filled = |row: &usize| cells.iter().any(|column| !column[*row].trim().is_empty());
-        let rows = (0..frame.height())
-            .rev()
-            .find(is_filled)
-            .map_or(0, |last| last + 1);
+        let rows = (0..frame.height()).rev().find(is_filled).map_or(0, |last| last + 1);
         for column in &mut cells {
             column.truncate(rows);
         }
         short.retain(|(row, _)| *row < rows);
         Ok(Self {
             path: path.to_owned(),
-            columns: frame
-                .get_column_names()
-                .iter()
-                .map(ToString::to_string)
-                .collect(),
+            columns: frame.get_column_names().iter().map(ToString::to_string).collect(),
             cells,
             rows,
             short,
@@ -111,9 +96,7 @@ impl Grid {
 
     /// A table of rows, the names of the columns the first of them.
     fn of_rows(path: &Path, rows: Vec<Vec<String>>) -> Result<Self, StudyError> {
-        let mut rows = rows
-            .into_iter()
-            .skip_while(|row| row.iter().all(|c| c.trim().is_empty()));
+        let mut rows = rows.into_iter().skip_while(|row| row.iter().all(|c| c.trim().is_empty()));
         let Some(head) = rows.next() else {
             let problem = "holds an empty sheet, expected a table with a header line";
             return Err(StudyError::file(path, problem));
@@ -173,9 +156,7 @@ impl Grid {
             n => (format!("{n} rows end"), "they lack"),
         };
         let (listed, width) = (names(&rows), self.columns.len());
-        Some(format!(
-            "{n} early ({listed} of {width} cells): what {they} counts as not answered"
-        ))
+        Some(format!("{n} early ({listed} of {width} cells): what {they} counts as not answered"))
     }
 
     /// Where a column of this name stands.

@@ -49,9 +49,8 @@ pub(super) fn pages<'g>(
     let says_when = |name: &str| columns.moment_fields().contains(&name);
     let names = grid.columns.iter().map(|whole| first_of_two(grid, whole));
     let fields = names.map(|name| format.field_of(name));
-    let dated: BTreeSet<&str> = fields
-        .filter_map(|(page, field)| says_when(field).then_some(page))
-        .collect();
+    let dated: BTreeSet<&str> =
+        fields.filter_map(|(page, field)| says_when(field).then_some(page)).collect();
     let mut everywhere = None;
     for (column, whole) in grid.columns.iter().enumerate() {
         let name = first_of_two(grid, whole);
@@ -137,9 +136,7 @@ fn unread(columns: &Columns<'_>, unused: &BTreeSet<String>) -> Vec<String> {
 /// The name that a column was given before its number was put behind it: of two of one name both say the same.
 fn first_of_two<'n>(grid: &Grid, name: &'n str) -> &'n str {
     let before = name.rsplit_once(" (column ").map(|(before, _)| before);
-    before
-        .filter(|before| grid.position(before).is_some())
-        .unwrap_or(name)
+    before.filter(|before| grid.position(before).is_some()).unwrap_or(name)
 }
 
 /// Whether every item of a scale has a column wherever it is asked.
@@ -168,9 +165,7 @@ fn complete(
                     _ => format!("`{page}`"),
                 };
                 let (id, missing) = (&scale.id, missing.join(", "));
-                return bad(format!(
-                    "scale `{id}`: {beside} has no column for items {missing}"
-                ));
+                return bad(format!("scale `{id}`: {beside} has no column for items {missing}"));
             }
         }
     }
@@ -244,10 +239,7 @@ fn by_questionnaire(
     if words.is_empty() || !pages.values().any(PageColumns::is_unsaid) {
         return Ok(());
     }
-    if let Some(word) = words
-        .iter()
-        .find(|word| columns.moment_by_word(word).is_none())
-    {
+    if let Some(word) = words.iter().find(|word| columns.moment_by_word(word).is_none()) {
         if words.len() == 1 {
             warnings.push(format!(
                 "column `{name}` has `{word}` alone, which means no moment: these answers count as from before the drives; [moments] of the map of columns can say what it means"

@@ -57,11 +57,7 @@ impl Imports<'_> {
         contents: Contents,
     ) -> Result<Outcome<Imported>, StudyError> {
         let scales = self.columns.scales;
-        let Contents {
-            mut rows,
-            unused,
-            mut warnings,
-        } = contents;
+        let Contents { mut rows, unused, mut warnings } = contents;
         let unknown = unknown_moments(&mut rows, self.design);
         warnings.extend(told_unknown(&unknown, self.design));
         refuse_twice(self.file, &rows, scales)?;
@@ -122,10 +118,7 @@ impl Imports<'_> {
         let (problem, help) = if nobody {
             self.export.no_answers(self.columns)
         } else {
-            (
-                "holds no answers of anybody who is let in".to_owned(),
-                why.join("; "),
-            )
+            ("holds no answers of anybody who is let in".to_owned(), why.join("; "))
         };
         StudyError::file(self.file, problem).with_help(help)
     }

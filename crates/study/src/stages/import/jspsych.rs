@@ -16,13 +16,8 @@ use std::{
 type Trial = Map<String, Value>;
 
 /// Properties that hold the participant's id where no map names one.
-const PARTICIPANT: [&str; 5] = [
-    "participant",
-    "participant_id",
-    "subject",
-    "subject_id",
-    "PROLIFIC_PID",
-];
+const PARTICIPANT: [&str; 5] =
+    ["participant", "participant_id", "subject", "subject_id", "PROLIFIC_PID"];
 
 /// Reads the trials of one or more sessions.
 ///
@@ -37,12 +32,7 @@ pub(super) fn read(
 ) -> Result<Contents, StudyError> {
     let mut contents = Contents::default();
     let mut unknown_scales = Vec::new();
-    let reading = Reading {
-        path,
-        columns,
-        orders,
-        missing: &[],
-    };
+    let reading = Reading { path, columns, orders, missing: &[] };
     for (number, trials) in sessions(path, text)?.iter().enumerate() {
         let session = trials.iter().find_map(|t| whose(t, columns));
         for (index, trial) in trials.iter().enumerate() {
@@ -69,9 +59,7 @@ pub(super) fn read(
             let page = Page {
                 place,
                 participant: whose,
-                moment: moments
-                    .into_iter()
-                    .find_map(|field| Some((field, word(field)?))),
+                moment: moments.into_iter().find_map(|field| Some((field, word(field)?))),
                 seconds: trial
                     .get("rt")
                     .and_then(Value::as_f64)
@@ -79,9 +67,7 @@ pub(super) fn read(
                 fields,
                 shown: true,
                 // A Likert item's answer is the position of the box.
-                from_zero: trial
-                    .get("trial_type")
-                    .is_some_and(|t| t == "survey-likert"),
+                from_zero: trial.get("trial_type").is_some_and(|t| t == "survey-likert"),
             };
             contents.rows.extend(reading.rows_of(&page)?);
         }
@@ -195,9 +181,7 @@ fn text_of(value: &Value) -> Option<Cow<'_, str>> {
 fn whose<'t>(trial: &'t Trial, columns: &Columns<'_>) -> Option<Cow<'t, str>> {
     match &columns.map.participant {
         Some(name) => text_of(trial.get(name)?),
-        None => PARTICIPANT
-            .iter()
-            .find_map(|name| text_of(trial.get(*name)?)),
+        None => PARTICIPANT.iter().find_map(|name| text_of(trial.get(*name)?)),
     }
 }
 
@@ -218,19 +202,10 @@ fn fields<'r>(
     contents: &mut Contents,
 ) -> Vec<(Slot, &'r str, Cow<'r, str>)> {
     let named = trial.get("scale").and_then(Value::as_str);
-    let scale = columns
-        .scales
-        .iter()
-        .position(|s| Some(s.id.as_str()) == named);
+    let scale = columns.scales.iter().position(|s| Some(s.id.as_str()) == named);
     let mut fields = Vec::new();
     for (name, value) in responses {
-        let numbered = || {
-            Some(Slot {
-                scale: scale?,
-                item: item_of(name)?,
-                when: When::Unsaid,
-            })
-        };
+        let numbered = || Some(Slot { scale: scale?, item: item_of(name)?, when: When::Unsaid });
         let by_name = columns.slot_of(name).and_then(Result::ok);
         let Some(slot) = by_name.or_else(numbered) else {
             contents.unused.insert(name.clone());

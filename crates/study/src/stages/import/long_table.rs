@@ -18,10 +18,7 @@ pub(super) fn unknown_moments(rows: &mut Vec<Row>, design: &Design) -> Vec<Row> 
 pub(super) fn told_unknown(unknown: &[Row], design: &Design) -> Vec<String> {
     let mut moments: BTreeMap<Moment, (usize, &str)> = BTreeMap::new();
     for row in unknown {
-        moments
-            .entry(row.moment)
-            .or_insert((0, row.place.as_str()))
-            .0 += 1;
+        moments.entry(row.moment).or_insert((0, row.place.as_str())).0 += 1;
     }
     let known = ConditionId::listed(&design.labels());
     let warning = |(moment, (n, place)): (Moment, (usize, &str))| {
@@ -100,10 +97,7 @@ pub(super) fn write(path: &Path, rows: &[Row], scales: &[Scale]) -> Result<(), S
             answer: r.answer,
         };
         let words = r.words.as_ref().map(|words| ("text", words));
-        (
-            answer,
-            (r.seconds.map(|seconds| ("seconds", seconds)), words),
-        )
+        (answer, (r.seconds.map(|seconds| ("seconds", seconds)), words))
     });
     write_answers_with(path, &answers.collect::<Vec<_>>(), &[])
 }

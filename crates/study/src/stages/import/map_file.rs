@@ -57,10 +57,7 @@ impl MapFile {
 
     /// How the file itself is to be read; `sheet` names another one of a workbook.
     pub(super) fn how<'a>(&'a self, sheet: Option<&'a str>) -> HowToRead<'a> {
-        HowToRead {
-            sheet: sheet.or(self.sheet.as_deref()),
-            encoding: self.encoding.as_deref(),
-        }
+        HowToRead { sheet: sheet.or(self.sheet.as_deref()), encoding: self.encoding.as_deref() }
     }
 }
 

@@ -50,9 +50,7 @@ impl Pattern {
                 parts.push(Part::Text(rest[..at].to_owned()));
             }
             if parts.contains(part) {
-                return Err(format!(
-                    "column `{text}` has `{word}`, or what says the same, twice"
-                ));
+                return Err(format!("column `{text}` has `{word}`, or what says the same, twice"));
             }
             parts.push(part.clone());
             rest = &rest[at + word.len()..];
@@ -115,18 +113,9 @@ fn read<'n>(parts: &[Part], name: &'n str, words: &[String]) -> Option<NameParts
         let (word, behind) = name.split_at(end);
         let parts_behind = read(rest, behind, words)?;
         Some(match part {
-            Part::Item => NameParts {
-                item: item(word, words)?,
-                ..parts_behind
-            },
-            Part::Trial => NameParts {
-                trial: Some(number(word)?),
-                ..parts_behind
-            },
-            _ => NameParts {
-                moment: Some(word),
-                ..parts_behind
-            },
+            Part::Item => NameParts { item: item(word, words)?, ..parts_behind },
+            Part::Trial => NameParts { trial: Some(number(word)?), ..parts_behind },
+            _ => NameParts { moment: Some(word), ..parts_behind },
         })
     });
     taken.next()
@@ -162,13 +151,7 @@ mod tests {
         assert_eq!((parts.item, parts.moment), (1, Some("K")));
         let parts = read_name("{trial}_Q3_{item}", "2_Q3_6").unwrap();
         assert_eq!((parts.item, parts.trial), (6, Some(2)));
-        for name in [
-            "calm_TLX_",
-            "_TLX_1",
-            "calm_TLX_x",
-            "calm_TLX_1 (column 4)",
-            "calm_TLY_1",
-        ] {
+        for name in ["calm_TLX_", "_TLX_1", "calm_TLX_x", "calm_TLX_1 (column 4)", "calm_TLY_1"] {
             assert_eq!(read_name("{condition}_TLX_{item}", name), None, "{name}");
         }
         assert_eq!(read_name("{trial}_Q3_{item}", "a_Q3_6"), None);

@@ -79,10 +79,7 @@ impl Reading<'_> {
     pub(super) fn rows_of(&self, page: &Page<'_>) -> Result<Vec<Row>, StudyError> {
         let bad = |problem: String| StudyError::file(self.path, problem);
         let sheet = |slot: &Slot| (slot.scale, slot.when);
-        let filled = page
-            .fields
-            .iter()
-            .filter(|(_, _, text)| !text.trim().is_empty());
+        let filled = page.fields.iter().filter(|(_, _, text)| !text.trim().is_empty());
         let reached: BTreeSet<_> = filled.map(|(slot, ..)| sheet(slot)).collect();
         let is_there = |slot: &Slot| page.shown || reached.contains(&sheet(slot));
         let mut rows = Vec::new();
@@ -120,10 +117,9 @@ impl Reading<'_> {
                     return Err(wrong(in_place_of_value(formula)));
                 }
                 Some(_) => None,
-                None => self
-                    .columns
-                    .answer_of(slot, item, text, add, self.missing)
-                    .map_err(wrong)?,
+                None => {
+                    self.columns.answer_of(slot, item, text, add, self.missing).map_err(wrong)?
+                }
             };
             rows.push(Row {
                 participant,
@@ -162,10 +158,9 @@ impl Reading<'_> {
                 })
             }
             (When::Unsaid, None) => Ok(Moment::Pre),
-            (When::Unsaid, Some((field, word))) => self
-                .columns
-                .moment_of(word)
-                .map_err(|e| wrong(format!(", `{field}`: {e}"))),
+            (When::Unsaid, Some((field, word))) => {
+                self.columns.moment_of(word).map_err(|e| wrong(format!(", `{field}`: {e}")))
+            }
         }
     }
 }

@@ -106,20 +106,14 @@ fn moment(grid: &Grid, format: &Format, columns: &Columns<'_>, design: &Design) 
     let words = |column: usize| grid.filled(column).collect::<BTreeSet<&str>>();
     let is_moment = |column: &usize| {
         let words = words(*column);
-        !words.is_empty()
-            && words
-                .iter()
-                .all(|word| columns.moment_by_word(word).is_some())
+        !words.is_empty() && words.iter().all(|word| columns.moment_by_word(word).is_some())
     };
     let possible: Vec<usize> = (0..grid.columns.len()).filter(is_moment).collect();
     let by_convention = |at: &usize| {
         let (_, field) = format.field_of(&grid.columns[*at]);
         columns.moment_fields().contains(&field)
     };
-    let names: Vec<&str> = possible
-        .iter()
-        .map(|at| grid.columns[*at].as_str())
-        .collect();
+    let names: Vec<&str> = possible.iter().map(|at| grid.columns[*at].as_str()).collect();
     match possible.as_slice() {
         columns if columns.iter().any(by_convention) => {
             format!("# moment: by convention, {}", list(&names))
@@ -142,10 +136,7 @@ fn moment(grid: &Grid, format: &Format, columns: &Columns<'_>, design: &Design) 
                 ConditionId::listed(&design.labels())
             )
         }
-        _ => format!(
-            "# moment = \"?\"   # several columns have conditions: {}",
-            list(&names)
-        ),
+        _ => format!("# moment = \"?\"   # several columns have conditions: {}", list(&names)),
     }
 }
 
@@ -176,11 +167,7 @@ fn of_scale(
             "# [scales.{id}]   # {title}: found as {convention}, as it is called by convention"
         )];
     }
-    let named: Vec<&Family> = fitting
-        .iter()
-        .copied()
-        .filter(|f| resembles(scale, f))
-        .collect();
+    let named: Vec<&Family> = fitting.iter().copied().filter(|f| resembles(scale, f)).collect();
     let mut patterns: BTreeMap<String, Vec<&Family>> = BTreeMap::new();
     for family in &named {
         let alike =
@@ -197,10 +184,8 @@ fn of_scale(
     let proposed: Vec<(&String, &Vec<&Family>)> = patterns.iter().collect();
     match proposed.as_slice() {
         [(pattern, same)] => {
-            let mut lines = vec![
-                format!("[scales.{id}]   # {title}"),
-                format!("column = {pattern:?}"),
-            ];
+            let mut lines =
+                vec![format!("[scales.{id}]   # {title}"), format!("column = {pattern:?}")];
             lines.extend(
                 same.iter()
                     .map(|f| answers(grid, scale, f))
@@ -228,10 +213,9 @@ fn of_scale(
 /// The line on answers that are not the scale's numbers as they stand.
 fn how_answered(grid: &Grid, scale: &Scale, families: &[&Family], how: Answers) -> Option<String> {
     match how {
-        Answers::FromZero => Some(format!(
-            "add = 1   # the answers go from 0 to {}",
-            scale.items.first()?.max - 1
-        )),
+        Answers::FromZero => {
+            Some(format!("add = 1   # the answers go from 0 to {}", scale.items.first()?.max - 1))
+        }
         Answers::Words => {
             let columns = families.iter().flat_map(|f| f.columns.values());
             let words: BTreeSet<&str> = columns.flat_map(|c| grid.filled(*c)).collect();
@@ -258,10 +242,6 @@ fn doubtful(
         lines.push(format!("# column = {joined:?}   # with [moments] above"));
         words.extend(parts);
     }
-    lines.extend(
-        families
-            .iter()
-            .map(|f| format!("# column = {:?}", f.pattern())),
-    );
+    lines.extend(families.iter().map(|f| format!("# column = {:?}", f.pattern())));
     lines
 }

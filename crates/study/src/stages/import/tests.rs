@@ -28,14 +28,8 @@ fn read(
     let options = in_folder(folder.path(), from, bytes, map, design);
     let done = options.run(Watch::unwatched());
     let done = done.map_err(|e| [e.to_string(), e.suggestion().unwrap_or_default()].join("\n"))?;
-    let table = options
-        .out
-        .as_ref()
-        .map(|out| std::fs::read_to_string(out).unwrap());
-    Ok((
-        done.warnings,
-        table.unwrap_or_else(|| done.summary.join("\n")),
-    ))
+    let table = options.out.as_ref().map(|out| std::fs::read_to_string(out).unwrap());
+    Ok((done.warnings, table.unwrap_or_else(|| done.summary.join("\n"))))
 }
 
 const OTREE: &str = "participant.code,participant.label,participant._is_bot,intro.1.player.calm_1,intro.1.player.calm_2,intro.1.player.calm_3,drive.1.player.condition,drive.1.player.calm_1,drive.1.player.calm_2,drive.1.player.calm_3,drive.1.player.remark\n\
@@ -83,11 +77,8 @@ fn mapped(bytes: &[u8], map: Option<&str>) -> Result<(Vec<String>, String), Stri
 /// What `--suggest` prints of a file.
 fn suggest(bytes: &[u8]) -> String {
     let folder = tempfile::tempdir().unwrap();
-    let options = Import {
-        suggest: true,
-        out: None,
-        ..in_folder(folder.path(), None, bytes, None, DESIGN)
-    };
+    let options =
+        Import { suggest: true, out: None, ..in_folder(folder.path(), None, bytes, None, DESIGN) };
     let done = options.run(Watch::unwatched()).unwrap();
     done.summary.join("\n")
 }

@@ -29,12 +29,7 @@ pub(super) fn read(
     contents.warnings.extend(grid.ending_early());
     let pages = pages(grid, format, columns, &mut contents)?;
     let people = people_column(grid, format, &columns.map)?;
-    let reading = Reading {
-        path: grid.path(),
-        columns,
-        orders,
-        missing: format.missing,
-    };
+    let reading = Reading { path: grid.path(), columns, orders, missing: format.missing };
     let [trials, doubtful] = [format.trials, format.doubtful].map(|marked| {
         let (name, words, _) = marked?;
         Some((grid.position(name)?, words))
@@ -57,9 +52,7 @@ pub(super) fn read(
         let before = contents.rows.len();
         for page in pages.values() {
             let name = |column: usize| grid.columns[column].as_str();
-            let moment = page
-                .moment
-                .map(|column| (name(column), grid.cell(column, row).into()));
+            let moment = page.moment.map(|column| (name(column), grid.cell(column, row).into()));
             let fields = page.items.iter();
             let fields = fields.map(|h| (h.slot, name(h.column), grid.cell(h.column, row).into()));
             let page = Page {
@@ -78,9 +71,9 @@ pub(super) fn read(
             contents.rows.extend(reading.rows_of(&page)?);
         }
         if contents.rows.len() == before && !pages.is_empty() {
-            contents.warnings.push(format!(
-                "{place} (participant `{participant}`) has no answers: left out"
-            ));
+            contents
+                .warnings
+                .push(format!("{place} (participant `{participant}`) has no answers: left out"));
         }
     }
     if let Some((name, _, what)) = format.doubtful.filter(|_| !doubtful_rows.is_empty()) {
@@ -92,9 +85,7 @@ pub(super) fn read(
     }
     if let Some((_, _, what)) = format.trials.filter(|_| trial_rows > 0) {
         let rows = count(trial_rows, "row", "rows");
-        contents
-            .warnings
-            .push(format!("{rows} of {what}: left out"));
+        contents.warnings.push(format!("{rows} of {what}: left out"));
     }
     Ok(contents)
 }
@@ -129,12 +120,7 @@ pub(super) fn people_column(
         let column = format.position(grid, named);
         return column.map(Some).ok_or_else(|| missing(named));
     }
-    let there = || {
-        format
-            .participant
-            .iter()
-            .filter_map(|name| format.position(grid, name))
-    };
+    let there = || format.participant.iter().filter_map(|name| format.position(grid, name));
     let filled = there().find(|column| grid.filled(*column).next().is_some());
     match (filled, format.participant) {
         (None, [first, ..]) if there().next().is_none() => Err(missing(first)),

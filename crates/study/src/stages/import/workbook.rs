@@ -33,26 +33,17 @@ pub(super) fn rows(path: &Path, bytes: Vec<u8>, named: Option<&str>) -> Result<R
     let wrong = |problem: String, help: String| StudyError::file(path, problem).with_help(help);
     let no_workbook = |problem: String| {
         let help = "save the sheet again as .xlsx, or as CSV in UTF-8";
-        wrong(
-            format!("is no workbook (.xlsx) that can be read: {problem}"),
-            help.to_owned(),
-        )
+        wrong(format!("is no workbook (.xlsx) that can be read: {problem}"), help.to_owned())
     };
     let mut book: Book = Xlsx::new(Cursor::new(bytes)).map_err(|e| no_workbook(e.to_string()))?;
     let names = book.sheet_names();
     let there = format!("its sheets are {}", names.join(", "));
     let name_it = || format!("name one, by `sheet` in the map of columns or by --sheet: {there}");
     if let Some(missing) = named.filter(|named| !names.iter().any(|name| name == named)) {
-        return Err(wrong(
-            format!("has no sheet `{missing}`; {there}"),
-            name_it(),
-        ));
+        return Err(wrong(format!("has no sheet `{missing}`; {there}"), name_it()));
     }
     let mut filled = Vec::new();
-    for name in names
-        .iter()
-        .filter(|name| named.is_none_or(|named| *name == named))
-    {
+    for name in names.iter().filter(|name| named.is_none_or(|named| *name == named)) {
         let rows = sheet(&mut book, name).map_err(&no_workbook)?;
         if !rows.is_empty() || named.is_some() {
             filled.push(rows);

@@ -93,9 +93,7 @@ pub(crate) fn declared_files(files: Files, options: &Ingest, study: &DesignFile)
     let folders = folders.into_iter().chain([&declared.logs]);
     let folders = folders.filter(|_| !named).map(|path| study.resolve(path));
     let mappings = mappings.into_iter().filter(|_| options.mapping.is_none());
-    files
-        .reads_if_there(folders)
-        .reads_if_there(mappings.map(|path| study.resolve(path)))
+    files.reads_if_there(folders).reads_if_there(mappings.map(|path| study.resolve(path)))
 }
 
 /// As [`of`]; a folder without logs is an error where some are `needed`.
@@ -105,18 +103,10 @@ fn gathered(
     needed: bool,
 ) -> Result<Vec<Log>, StudyError> {
     let some = |folder: &Path, logs| {
-        if needed {
-            refuse_none(folder, logs)
-        } else {
-            Ok(logs)
-        }
+        if needed { refuse_none(folder, logs) } else { Ok(logs) }
     };
     let standing = |folder: &Path, mapping: Option<&Mapping>, apart: &[PathBuf]| {
-        if needed || folder.is_dir() {
-            below(folder, mapping, apart)
-        } else {
-            Ok(Vec::new())
-        }
+        if needed || folder.is_dir() { below(folder, mapping, apart) } else { Ok(Vec::new()) }
     };
     let mut gathered: Vec<Log> = Vec::new();
     // What needs no logs does without a mapping that is not there.
@@ -215,11 +205,7 @@ fn settings(
 }
 
 fn read_by(logs: Vec<PathBuf>, mapping: Option<&PathBuf>, settings: &IngestSettings) -> Vec<Log> {
-    let log = |path| Log {
-        path,
-        mapping: mapping.cloned(),
-        settings: settings.clone(),
-    };
+    let log = |path| Log { path, mapping: mapping.cloned(), settings: settings.clone() };
     logs.into_iter().map(log).collect()
 }
 
@@ -239,12 +225,7 @@ fn below(
 ) -> Result<Vec<PathBuf>, StudyError> {
     let inner = |other: &&PathBuf| *other != folder && other.starts_with(folder);
     let mut logs = log_files(folder, mapping)?;
-    logs.retain(|log| {
-        !apart
-            .iter()
-            .filter(inner)
-            .any(|other| log.starts_with(other))
-    });
+    logs.retain(|log| !apart.iter().filter(inner).any(|other| log.starts_with(other)));
     Ok(logs)
 }
 

@@ -9,14 +9,10 @@ pub(super) fn maybe_parts<'a>(
     drives: &(impl Iterator<Item = &'a DriveMeta> + Clone),
     left_out: &[LeftOutDrive],
 ) -> Vec<(String, String)> {
-    let unknown = left_out
-        .iter()
-        .filter(|out| out.why.rule == Rule::UnknownCondition);
+    let unknown = left_out.iter().filter(|out| out.why.rule == Rule::UnknownCondition);
     let part = |out: &LeftOutDrive| {
         let condition = out.meta.condition.to_string();
-        let known = drives
-            .clone()
-            .filter(|d| d.participant == out.meta.participant);
+        let known = drives.clone().filter(|d| d.participant == out.meta.participant);
         let ending = known
             .filter_map(|d| ending(&condition, &d.condition.to_string()))
             .min_by_key(String::len)?;

@@ -24,9 +24,7 @@ fn run(logs: Vec<PathBuf>, out: &Path) -> Result<Outcome<IngestedDrives>, StudyE
 fn names(folder: &Path) -> BTreeSet<String> {
     let entries = std::fs::read_dir(folder).unwrap();
     let name = |e: std::io::Result<std::fs::DirEntry>| e.unwrap().file_name();
-    entries
-        .map(|e| name(e).to_string_lossy().into_owned())
-        .collect()
+    entries.map(|e| name(e).to_string_lossy().into_owned()).collect()
 }
 
 #[test]
@@ -73,11 +71,8 @@ fn a_log_in_the_folder_of_the_drives_is_neither_written_over_nor_removed() {
     let renamed = folder.path().join("renamed.toml");
     let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
     let text = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
-    std::fs::write(
-        &renamed,
-        text.replace("drive = \"{drive}\"", "drive = \"{drive}-again\""),
-    )
-    .unwrap();
+    std::fs::write(&renamed, text.replace("drive = \"{drive}\"", "drive = \"{drive}-again\""))
+        .unwrap();
     let by_another_name = |out: &Path| {
         let options = Ingest {
             logs: vec![drive.clone()],
@@ -98,10 +93,7 @@ fn a_log_in_the_folder_of_the_drives_is_neither_written_over_nor_removed() {
 #[test]
 fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() {
     let folder = tempfile::tempdir().unwrap();
-    let (logs, out) = (
-        folder.path().join("logs"),
-        folder.path().join("made/drives"),
-    );
+    let (logs, out) = (folder.path().join("logs"), folder.path().join("made/drives"));
     std::fs::create_dir(&logs).unwrap();
     std::fs::write(logs.join("d.csv"), table(50).replace(",20,", ",fast,")).unwrap();
     let error = run(vec![logs.clone()], &out).unwrap_err();
@@ -112,39 +104,21 @@ fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() 
     }
     let made = run(vec![logs.clone()], &out).unwrap();
     assert_eq!(made.value.drives.len(), 3);
-    assert!(
-        made.value.failed[0].why.contains("`fast`"),
-        "{:?}",
-        made.value.failed
-    );
+    assert!(made.value.failed[0].why.contains("`fast`"), "{:?}", made.value.failed);
     let list = std::fs::read_to_string(out.join("exclusions.csv")).unwrap();
     let last = list.lines().last().unwrap();
-    assert!(
-        last.contains(",d.csv,") && last.contains("not ingested"),
-        "{list}"
-    );
+    assert!(last.contains(",d.csv,") && last.contains("not ingested"), "{list}");
 
     std::fs::remove_file(logs.join("d.csv")).unwrap();
     let made = run(vec![logs.clone()], &out).unwrap();
     assert_eq!((made.value.drives.len(), made.value.rows), (3, 300));
-    let expected = [
-        "a.parquet",
-        "b.parquet",
-        "c.parquet",
-        "drives.csv",
-        "exclusions.csv",
-    ];
+    let expected = ["a.parquet", "b.parquet", "c.parquet", "drives.csv", "exclusions.csv"];
     assert_eq!(names(&out), expected.map(str::to_owned).into());
 
     // The same log twice is one drive twice; what stood there before stays.
     let before = std::fs::read(out.join("a.parquet")).unwrap();
     let error = run(vec![logs.clone(), logs.join("a.csv")], &out).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("a.csv makes the drive `a` twice"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("a.csv makes the drive `a` twice"), "{error}");
     std::fs::create_dir(logs.join("again")).unwrap();
     std::fs::copy(logs.join("a.csv"), logs.join("again/a.csv")).unwrap();
     let error = run(vec![logs.clone()], &out).unwrap_err().to_string();
@@ -158,10 +132,7 @@ fn drives_appear_together_and_a_log_that_cannot_be_read_is_listed_beside_them() 
 #[test]
 fn where_no_drive_is_let_in_the_rule_is_to_be_changed_or_the_names() {
     let folder = tempfile::tempdir().unwrap();
-    let (log, design) = (
-        folder.path().join("P01-calm.csv"),
-        folder.path().join("study.toml"),
-    );
+    let (log, design) = (folder.path().join("P01-calm.csv"), folder.path().join("study.toml"));
     std::fs::write(&log, table(100)).unwrap();
     let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
     let ours = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
@@ -184,14 +155,8 @@ fn where_no_drive_is_let_in_the_rule_is_to_be_changed_or_the_names() {
         let error = options.run(Watch::unwatched()).unwrap_err();
         error.suggestion().unwrap()
     };
-    let short = help(
-        ["calm", "sporty"],
-        "[exclude]\ndrive_shorter_than_s = 300\n",
-    );
-    assert!(
-        short.contains("by exclude.drive_shorter_than_s: change the rule"),
-        "{short}"
-    );
+    let short = help(["calm", "sporty"], "[exclude]\ndrive_shorter_than_s = 300\n");
+    assert!(short.contains("by exclude.drive_shorter_than_s: change the rule"), "{short}");
     let unknown = help(["bold", "sporty"], "");
     assert!(unknown.contains("[names] of the mapping"), "{unknown}");
 }
@@ -207,11 +172,7 @@ fn what_is_told_of_a_table_of_many_is_told_whoever_is_left_out() {
     std::fs::write(at("mapping.toml"), toml).unwrap();
     let row = |i: usize| {
         let t = i as f64 / 10.0;
-        format!(
-            "{t},P01,{},0,20\n{t},P02,{},0,20\n",
-            20.0 * t,
-            20.0 * t + 50.0
-        )
+        format!("{t},P01,{},0,20\n{t},P02,{},0,20\n", 20.0 * t, 20.0 * t + 50.0)
     };
     let rows: String = (0..100).map(row).collect();
     // Somebody who was seen once makes no drive.
@@ -249,12 +210,7 @@ fn a_folder_is_read_with_those_below_it_but_not_what_an_earlier_call_wrote_there
     let folder = tempfile::tempdir().unwrap();
     let logs = folder.path().join("logs");
     let out = logs.join("drives");
-    for (place, log) in [
-        ("day1/morning", "a"),
-        ("day1", "b"),
-        ("day2", "c"),
-        (".old", "d"),
-    ] {
+    for (place, log) in [("day1/morning", "a"), ("day1", "b"), ("day2", "c"), (".old", "d")] {
         std::fs::create_dir_all(logs.join(place)).unwrap();
         std::fs::write(logs.join(place).join(format!("{log}.csv")), table(100)).unwrap();
     }
@@ -272,16 +228,9 @@ fn parts_of_a_recording_that_are_named_one_by_one_are_one_drive() {
     let mappings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../study_data/mappings");
     let text = std::fs::read_to_string(mappings.join("ours.toml")).unwrap();
     let mapping = folder.path().join("mapping.toml");
-    std::fs::write(
-        &mapping,
-        text.replace("[names]", "[names]\nparts = \"_{n}\""),
-    )
-    .unwrap();
+    std::fs::write(&mapping, text.replace("[names]", "[names]\nparts = \"_{n}\"")).unwrap();
     let parts = ["a.csv", "a_2.csv"].map(|name| folder.path().join(name));
-    let later = table(200)
-        .lines()
-        .skip(101)
-        .fold(LOG.to_owned(), |text, row| text + row + "\n");
+    let later = table(200).lines().skip(101).fold(LOG.to_owned(), |text, row| text + row + "\n");
     std::fs::write(&parts[0], table(100)).unwrap();
     std::fs::write(&parts[1], later).unwrap();
     for logs in [parts.to_vec(), vec![parts[1].clone()]] {
@@ -295,10 +244,7 @@ fn parts_of_a_recording_that_are_named_one_by_one_are_one_drive() {
         let made = options.run(Watch::unwatched()).unwrap();
         assert_eq!((made.value.drives.len(), made.value.rows), (1, 200));
         assert_eq!(made.value.drives[0].drive.as_str(), "a");
-        let told = made
-            .warnings
-            .iter()
-            .any(|w| w.contains("goes on in its part 2, 0.050 s later"));
+        let told = made.warnings.iter().any(|w| w.contains("goes on in its part 2, 0.050 s later"));
         assert!(told, "{:?}", made.warnings);
     }
 }

@@ -62,16 +62,9 @@ fn doubted<'a>(doubts: impl Iterator<Item = (String, &'a Warning)>) -> Vec<Strin
                 return alike.map(|(_, w)| w.to_string()).collect();
             }
             let times: usize = alike.by_ref().map(|(_, w)| w.count).sum();
-            let times = if times > logs.len() {
-                format!(" ({times} times)")
-            } else {
-                String::new()
-            };
-            vec![format!(
-                "{} logs ({}): {what}{times}",
-                logs.len(),
-                names(&logs)
-            )]
+            let times =
+                if times > logs.len() { format!(" ({times} times)") } else { String::new() };
+            vec![format!("{} logs ({}): {what}{times}", logs.len(), names(&logs))]
         })
         .collect()
 }
@@ -130,10 +123,7 @@ pub(super) fn none_ingested(
 fn reasons(left_out: &[LeftOutDrive]) -> Vec<String> {
     let mut by_rule: Vec<(&LeftOutDrive, usize)> = Vec::new();
     for out in left_out {
-        match by_rule
-            .iter_mut()
-            .find(|(first, _)| first.why.rule == out.why.rule)
-        {
+        match by_rule.iter_mut().find(|(first, _)| first.why.rule == out.why.rule) {
             Some((_, more)) => *more += 1,
             None => by_rule.push((out, 0)),
         }
@@ -150,11 +140,7 @@ fn reasons(left_out: &[LeftOutDrive]) -> Vec<String> {
 
 /// What to do about the drives that are left out.
 fn let_one_in(left_out: &[LeftOutDrive]) -> Vec<String> {
-    let unknown = [
-        Rule::UnknownParticipant,
-        Rule::UnknownCondition,
-        Rule::UnknownOccasion,
-    ];
+    let unknown = [Rule::UnknownParticipant, Rule::UnknownCondition, Rule::UnknownOccasion];
     let rules: BTreeSet<Rule> = left_out.iter().map(|out| out.why.rule).collect();
     let (named_otherwise, rules): (Vec<Rule>, Vec<Rule>) =
         rules.into_iter().partition(|rule| unknown.contains(rule));
@@ -198,14 +184,8 @@ mod tests {
         let (problem, help) = said(&[short], vec![broken("P2"), broken("P3")]);
         assert!(problem.contains("P1-own: left out by "), "{problem}");
         let logs = "; 2 logs could not be ingested, the first: ";
-        assert!(
-            problem.contains(logs) && problem.contains("P2.csv"),
-            "{problem}"
-        );
-        assert!(
-            help.contains("drive_shorter_than_s") && help.contains("check the path"),
-            "{help}"
-        );
+        assert!(problem.contains(logs) && problem.contains("P2.csv"), "{problem}");
+        assert!(help.contains("drive_shorter_than_s") && help.contains("check the path"), "{help}");
         let both = [
             out("P1", Rule::Short, "60 s"),
             out("P2", Rule::UnknownCondition, "`own` is none"),
@@ -216,9 +196,6 @@ mod tests {
             problem.contains("P2-own: ") && problem.contains("(and 1 drive more)"),
             "{problem}"
         );
-        assert!(
-            help.contains("[names]") && help.contains("drive_shorter_than_s"),
-            "{help}"
-        );
+        assert!(help.contains("[names]") && help.contains("drive_shorter_than_s"), "{help}");
     }
 }

@@ -75,20 +75,10 @@ mod tests {
     fn what_init_writes_is_a_design() {
         let none = of(&["calm", "normal", "sporty"], None);
         assert!(none.conditions().iter().all(|c| c.car.is_none()) && none.style().is_none());
-        let five = of(
-            &["a", "b", "c", "d", "e"],
-            Some(("adb.total", [11.0, 55.0])),
-        );
-        let dials: Vec<f64> = five
-            .conditions()
-            .iter()
-            .filter_map(Condition::dial)
-            .collect();
+        let five = of(&["a", "b", "c", "d", "e"], Some(("adb.total", [11.0, 55.0])));
+        let dials: Vec<f64> = five.conditions().iter().filter_map(Condition::dial).collect();
         assert!(
-            dials
-                .iter()
-                .zip([-30.0, -15.0, 0.0, 15.0, 30.0])
-                .all(|(a, b)| (a - b).abs() < 1e-9)
+            dials.iter().zip([-30.0, -15.0, 0.0, 15.0, 30.0]).all(|(a, b)| (a - b).abs() < 1e-9)
         );
         // However many there are, the outermost lie on the scale.
         let names = ["a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k", "l"];
@@ -96,10 +86,7 @@ mod tests {
             for (score, range) in [("adb.total", [11.0, 55.0]), ("mdsi.risky", [1.0, 6.0])] {
                 let many = of(&names[..n], Some((score, range)));
                 let furthest = many.conditions()[n - 1].dial().unwrap();
-                assert!(
-                    furthest > 0.0 && furthest <= range[1] - range[0],
-                    "{n}: {furthest}"
-                );
+                assert!(furthest > 0.0 && furthest <= range[1] - range[0], "{n}: {furthest}");
             }
         }
         let risky = of(&["calm", "sporty"], Some(("mdsi.risky", [1.0, 6.0])));

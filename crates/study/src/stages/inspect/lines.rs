@@ -39,23 +39,18 @@ pub(super) fn lines(content: &Inspected) -> Vec<String> {
                 None => "made here, from no log".to_owned(),
             },
         ],
-        Inspected::Model {
-            heads,
-            embedding_size,
-            parameters,
-            drives,
-            learned,
-            aggression,
-        } => vec![
-            format!(
-                "model with {heads} heads, embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"
-            ),
-            format!(
-                "learned: {}; {} score",
-                learned.join(", "),
-                if *aggression { "reads a" } else { "reads no" }
-            ),
-        ],
+        Inspected::Model { heads, embedding_size, parameters, drives, learned, aggression } => {
+            vec![
+                format!(
+                    "model with {heads} heads, embeddings of size {embedding_size}, {parameters} parameters, trained on {drives} drives"
+                ),
+                format!(
+                    "learned: {}; {} score",
+                    learned.join(", "),
+                    if *aggression { "reads a" } else { "reads no" }
+                ),
+            ]
+        }
     }
 }
 
@@ -72,11 +67,7 @@ fn log_lines(log: &LogSummary) -> Vec<String> {
         number(log.duration_s, " s")
     )];
     for c in &log.channels {
-        let why = c
-            .reason
-            .as_ref()
-            .map(|r| format!("  not decodable: {r}"))
-            .unwrap_or_default();
+        let why = c.reason.as_ref().map(|r| format!("  not decodable: {r}")).unwrap_or_default();
         lines.push(format!(
             "{:44} {:44} {:6} messages {:>9}{why}",
             c.topic,
@@ -97,9 +88,7 @@ fn log_lines(log: &LogSummary) -> Vec<String> {
         ));
     }
     lines.extend(
-        log.gaps
-            .iter()
-            .map(|g| format!("gap on {}: {:.2} to {:.2} s", g.topic, g.from_s, g.to_s)),
+        log.gaps.iter().map(|g| format!("gap on {}: {:.2} to {:.2} s", g.topic, g.from_s, g.to_s)),
     );
     lines.extend(log.warnings.iter().map(|w| match w.count {
         1 => format!("note: {}", w.what),

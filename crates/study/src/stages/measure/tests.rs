@@ -12,12 +12,7 @@ fn drive(who: &str, condition: &str, seconds: f64, passes_s: &[f64]) -> Drive {
         let s = ((t - from) / 4.0).clamp(0.0, 1.0);
         3.66 * s * s * (3.0 - 2.0 * s)
     };
-    let pass = |t: f64| {
-        passes_s
-            .iter()
-            .map(|p| step(t, *p) - step(t, p + 10.0))
-            .sum()
-    };
+    let pass = |t: f64| passes_s.iter().map(|p| step(t, *p) - step(t, p + 10.0)).sum();
     let ego = EgoTrack {
         length_m: 4.7,
         x_m: time_s.iter().map(|t| 30.0 * t).collect(),
@@ -25,13 +20,8 @@ fn drive(who: &str, condition: &str, seconds: f64, passes_s: &[f64]) -> Drive {
         speed_mps: vec![30.0; n],
     };
     let recording = Recording::new(Road::PAPER, 20.0, time_s, vec![0; n], ego, Vec::new()).unwrap();
-    let meta = DriveMeta::named(
-        format!("{who}-{condition}"),
-        who,
-        condition,
-        DrivenBy::Human,
-    )
-    .unwrap();
+    let meta =
+        DriveMeta::named(format!("{who}-{condition}"), who, condition, DrivenBy::Human).unwrap();
     Drive::from_recording(meta, &recording).unwrap()
 }
 
@@ -73,11 +63,7 @@ fn a_drive_of_which_too_little_is_comparable_is_no_log_without_lateral_positions
     let measures = measures.map(|name| objective::find(name).unwrap());
     let row = |who: &str, values: [Option<f64>; 3]| MeasuredDrive {
         meta: DriveMeta::named(format!("{who}-calm"), who, "calm", DrivenBy::Human).unwrap(),
-        values: measures
-            .iter()
-            .map(|m| m.name.to_owned())
-            .zip(values)
-            .collect(),
+        values: measures.iter().map(|m| m.name.to_owned()).zip(values).collect(),
         counted_s: None,
     };
     let rows = [
@@ -95,10 +81,7 @@ fn a_drive_of_which_too_little_is_comparable_is_no_log_without_lateral_positions
         format!("{count} of 3 drives have no {title}: {}", m.why_missing)
     };
     let speed = of(1, "mean_velocity_mps");
-    assert_eq!(
-        warned(&[]),
-        [of(2, "lane_changes"), speed.clone(), of(1, "leads_met")]
-    );
+    assert_eq!(warned(&[]), [of(2, "lane_changes"), speed.clone(), of(1, "leads_met")]);
     assert_eq!(warned(&[0]), [of(1, "lane_changes"), speed.clone()]);
     // What a longer drive has no more of is not cut.
     assert_eq!(warned(&[0, 1]), [speed]);
@@ -117,12 +100,8 @@ fn lane_changes_of_a_long_drive_are_counted_over_the_time_of_the_persons_short_o
         write_drive(&drives, &made).unwrap();
     }
     let out = folder.path().join("measurements.parquet");
-    let options = Measure {
-        design: None,
-        participants: None,
-        drives: vec![drives],
-        out: out.clone(),
-    };
+    let options =
+        Measure { design: None, participants: None, drives: vec![drives], out: out.clone() };
     let outcome = options.run(Watch::unwatched()).unwrap();
     let counted: Vec<(String, Option<f64>, bool)> = read_measurements(&out)
         .unwrap()
@@ -142,9 +121,6 @@ fn lane_changes_of_a_long_drive_are_counted_over_the_time_of_the_persons_short_o
             row("P02-own", 4.0, false),
         ]
     );
-    let said = outcome
-        .warnings
-        .iter()
-        .find(|w| w.contains("differ in length"));
+    let said = outcome.warnings.iter().find(|w| w.contains("differ in length"));
     assert!(said.unwrap().starts_with("1 person has drives"), "{said:?}");
 }

@@ -64,32 +64,26 @@ pub(super) fn of_drives(
 ) -> Result<Outcome<CurveOfDrives>, StudyError> {
     let settings = CurveSettings::default();
     let curves =
-        for_each_on(
-            options.jobs,
-            drives,
-            watch,
-            "learning curves",
-            |drive| match learning_curve(personalizer, drive, &settings) {
-                Err(ModelError::DriveTooShort { .. }) => Ok(None),
-                other => Ok(Some(other?)),
-            },
-        )?;
+        for_each_on(options.jobs, drives, watch, "learning curves", |drive| match learning_curve(
+            personalizer,
+            drive,
+            &settings,
+        ) {
+            Err(ModelError::DriveTooShort { .. }) => Ok(None),
+            other => Ok(Some(other?)),
+        })?;
     let curves: Vec<LearningCurve> = curves.into_iter().flatten().collect();
     let mut warnings = Vec::new();
     let short = drives.len() - curves.len();
     if short > 0 {
-        warnings.push(format!(
-            "{short} of {} drives are too short for a learning curve",
-            drives.len()
-        ));
+        warnings
+            .push(format!("{short} of {} drives are too short for a learning curve", drives.len()));
     }
     let mut rows = Vec::new();
     let minutes = settings.minutes.iter().copied();
     for minutes in std::iter::once(0.0).chain(minutes).map(Some).chain([None]) {
-        let points: Vec<&CurvePoint> = curves
-            .iter()
-            .filter_map(|c| c.points.iter().find(|p| is_at(p, minutes)))
-            .collect();
+        let points: Vec<&CurvePoint> =
+            curves.iter().filter_map(|c| c.points.iter().find(|p| is_at(p, minutes))).collect();
         if let (true, Some(minutes)) = (points.len() < curves.len(), minutes) {
             warnings.push(format!(
                 "{} of {} drives do not have {minutes} min before the part that is held out",
@@ -116,11 +110,7 @@ pub(super) fn of_drives(
         })
         .collect();
     let drives = curves.len();
-    Ok(Outcome::new(
-        CurveOfDrives { drives, rows },
-        summary,
-        warnings,
-    ))
+    Ok(Outcome::new(CurveOfDrives { drives, rows }, summary, warnings))
 }
 
 fn is_at(point: &CurvePoint, minutes: Option<f64>) -> bool {
@@ -160,14 +150,8 @@ fn interval(values: &[Option<f64>], seed: u64) -> Result<MeanWithInterval, Study
 }
 
 fn write(path: &Path, rows: &[CurveRow], curves: &[LearningCurve]) -> Result<(), StudyError> {
-    if path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("json"))
-    {
-        let file = CurveFile {
-            means: rows,
-            drives: curves,
-        };
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        let file = CurveFile { means: rows, drives: curves };
         return write_json(path, &file);
     }
     let columns = rows.iter().map(|row| {
@@ -196,10 +180,7 @@ mod tests {
         assert_eq!((one.n, one.mean, one.low), (1, Some(2.0), None));
         let three = interval(&[Some(1.0), Some(2.0), Some(3.0)], 1).unwrap();
         assert!(three.low.unwrap() < 2.0 && three.high.unwrap() > 2.0);
-        assert_eq!(
-            three,
-            interval(&[Some(1.0), Some(2.0), Some(3.0)], 1).unwrap()
-        );
+        assert_eq!(three, interval(&[Some(1.0), Some(2.0), Some(3.0)], 1).unwrap());
         assert_eq!(interval(&[None], 1).unwrap(), MeanWithInterval::default());
     }
 }

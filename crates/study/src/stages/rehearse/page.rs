@@ -46,15 +46,10 @@ pub(super) fn page(
 
 /// What the page opens with: of studies without effects the first size, else the largest.
 fn cards(rehearsal: &Rehearsal) -> Result<Vec<Card>, StudyError> {
-    let cell = if rehearsal.is_null() {
-        rehearsal.cells.first()
-    } else {
-        rehearsal.largest()
-    };
+    let cell = if rehearsal.is_null() { rehearsal.cells.first() } else { rehearsal.largest() };
     let mut cards = Vec::new();
-    for (cell, finding) in cell
-        .into_iter()
-        .flat_map(|c| rehearsal.findings.iter().map(move |f| (c, f)))
+    for (cell, finding) in
+        cell.into_iter().flat_map(|c| rehearsal.findings.iter().map(move |f| (c, f)))
     {
         cards.extend(of_studies(cell, finding)?);
     }
@@ -64,10 +59,7 @@ fn cards(rehearsal: &Rehearsal) -> Result<Vec<Card>, StudyError> {
 fn null_section(cell: &Cell, texts: &PageTexts, context: &Context) -> Result<Section, StudyError> {
     let parts = cell.by_part().into_iter().map(|(part, tests)| PartRates {
         name: part.title().to_owned(),
-        rates: tests
-            .iter()
-            .filter_map(|t| t.rate.map(|r| r.estimate))
-            .collect(),
+        rates: tests.iter().filter_map(|t| t.rate.map(|r| r.estimate)).collect(),
     });
     let families = cell.families.iter().filter_map(|f| {
         let holm = f.any_holm?;
@@ -123,9 +115,7 @@ fn power_figure(
     if panels.is_empty() {
         return Ok(Vec::new());
     }
-    let declared = rehearsal
-        .largest()
-        .is_some_and(|c| !c.hypotheses.is_empty());
+    let declared = rehearsal.largest().is_some_and(|c| !c.hypotheses.is_empty());
     let texts = texts.with(&BTreeMap::from([("declared", declared)]));
     let effects = shown.iter().map(|scale| {
         let values = BTreeMap::from([("scale", *scale)]);

@@ -33,10 +33,8 @@ const PAPER_N: usize = 24;
 
 pub(super) fn signs(path: &Path, cells: &[Cell]) -> Result<Vec<SignRow>, StudyError> {
     let ledger = claims::load(&read_text(path)?)?;
-    let planted: Vec<&Cell> = cells
-        .iter()
-        .filter(|c| (c.effect_scale - 1.0).abs() < 1e-12)
-        .collect();
+    let planted: Vec<&Cell> =
+        cells.iter().filter(|c| (c.effect_scale - 1.0).abs() < 1e-12).collect();
     let Some(at) = planted.iter().find(|c| c.participants >= PAPER_N) else {
         return Ok(Vec::new());
     };

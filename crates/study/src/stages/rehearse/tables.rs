@@ -46,26 +46,16 @@ struct TestRow<'a> {
 
 /// Whether a test keeps its level: .05 within .01.
 fn keeps_level(test: &TestRate) -> bool {
-    test.rate
-        .is_some_and(|r| (r.estimate - ALPHA).abs() <= 0.01)
+    test.rate.is_some_and(|r| (r.estimate - ALPHA).abs() <= 0.01)
 }
 
 /// The tables of studies without effects.
 pub(super) fn null_tables(cell: &Cell, texts: &PageTexts) -> Result<Vec<Table>, StudyError> {
-    let sizes = [
-        ("studies", cell.studies),
-        ("participants", cell.participants),
-    ];
+    let sizes = [("studies", cell.studies), ("participants", cell.participants)];
     let texts = texts.with(&BTreeMap::from(sizes));
-    let tests = cell.tests.iter().map(|test| TestRow {
-        title: test.part.title(),
-        test,
-    });
+    let tests = cell.tests.iter().map(|test| TestRow { title: test.part.title(), test });
     Ok(vec![
-        texts.table(
-            "null-parts",
-            cell.by_part().into_iter().map(PartRow::from_tests),
-        )?,
+        texts.table("null-parts", cell.by_part().into_iter().map(PartRow::from_tests))?,
         texts.table("null-families", &cell.families)?,
         texts.table("null-tests", tests)?,
     ])
@@ -82,11 +72,8 @@ pub(super) fn curve(
     scale: f64,
     rate: &dyn Fn(&Cell) -> Option<Proportion>,
 ) -> Vec<(usize, Proportion)> {
-    let same = cells
-        .iter()
-        .filter(|c| (c.effect_scale - scale).abs() < 1e-12);
-    same.filter_map(|c| Some((c.participants, rate(c)?)))
-        .collect()
+    let same = cells.iter().filter(|c| (c.effect_scale - scale).abs() < 1e-12);
+    same.filter_map(|c| Some((c.participants, rate(c)?))).collect()
 }
 
 /// How many people a test needs, at each scale of the effects.
@@ -144,12 +131,7 @@ pub(super) fn power_tables(
         tables.push(texts.table("power-hypotheses", rows)?);
     }
     let rows = first.findings.iter().map(|finding| {
-        let shown = |c: &Cell| {
-            c.findings
-                .iter()
-                .find(|f| f.question == finding.question)?
-                .shown
-        };
+        let shown = |c: &Cell| c.findings.iter().find(|f| f.question == finding.question)?.shown;
         NeededRow {
             test: finding.question.to_string(),
             needed: scales.iter().map(|scale| needed(*scale, &shown)).collect(),
@@ -158,10 +140,7 @@ pub(super) fn power_tables(
     tables.push(texts.table("power-findings", rows)?);
     let rows = first.tests.iter().map(|test| NeededRow {
         test: test.key.clone(),
-        needed: scales
-            .iter()
-            .map(|scale| needed(*scale, &|c| rate_of(c, &test.key)))
-            .collect(),
+        needed: scales.iter().map(|scale| needed(*scale, &|c| rate_of(c, &test.key))).collect(),
     });
     tables.push(texts.table("power-n", rows)?);
     Ok(tables)
@@ -185,11 +164,8 @@ pub(super) fn summary(rehearsal: &Rehearsal, texts: &PageTexts) -> Result<Vec<St
     };
     for cell in rehearsal.cells.iter().filter(|c| c.effect_scale == 0.0) {
         let kept = cell.tests.iter().filter(|t| keeps_level(t)).count();
-        let values = [
-            ("participants", cell.participants),
-            ("kept", kept),
-            ("tests", cell.tests.len()),
-        ];
+        let values =
+            [("participants", cell.participants), ("kept", kept), ("tests", cell.tests.len())];
         say("null_cell", texts.with(&BTreeMap::from(values)))?;
         for row in cell.by_part().into_iter().map(PartRow::from_tests) {
             say("null_part", texts.with(&row))?;

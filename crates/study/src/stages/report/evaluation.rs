@@ -32,10 +32,7 @@ use std::collections::BTreeMap;
 /// The methods that the figures show.
 const SHOWN: [(FollowingMethod, Follower); 3] = [
     (FollowingMethod::IdmPopulation, Follower::IdmPopulation),
-    (
-        FollowingMethod::IdmPopulationOwnTimeGap,
-        Follower::IdmOwnTimeGap,
-    ),
+    (FollowingMethod::IdmPopulationOwnTimeGap, Follower::IdmOwnTimeGap),
     (FollowingMethod::IdmOwn, Follower::Idm),
 ];
 
@@ -50,10 +47,7 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
     let evaluation: FollowingEvaluation = read_json(&folder.join("following.json"))?;
     let training: TrainingSummary = read_json(&training_file)?;
     let context = Context::real();
-    let titled = options
-        .design
-        .as_deref()
-        .map(|path| DesignFile::find(Some(path)));
+    let titled = options.design.as_deref().map(|path| DesignFile::find(Some(path)));
     let titled = titled.transpose()?.map(|d| d.design.title().to_owned());
     let texts = &texts(&evaluation, titled.as_deref())?;
     let data_set = match titled {
@@ -66,17 +60,10 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
     };
     let errors = FollowingErrors {
         data_set: data_set.clone(),
-        drivers: evaluation
-            .drivers
-            .iter()
-            .map(|d| d.driver.clone())
-            .collect(),
+        drivers: evaluation.drivers.iter().map(|d| d.driver.clone()).collect(),
         models: SHOWN
             .into_iter()
-            .map(|(method, model)| ModelErrors {
-                model,
-                gap_rmse_m: errors_of(method),
-            })
+            .map(|(method, model)| ModelErrors { model, gap_rmse_m: errors_of(method) })
             .collect(),
     };
     let mut figures = vec![following_errors(&errors, &context)?];
@@ -89,17 +76,12 @@ pub(super) fn page(options: &DrawReport) -> Result<(Report, Vec<String>), StudyE
         summary.push(texts.text("left_out")?);
     }
     let judged = findings::findings(&evaluation);
-    let following = Following {
-        found: &evaluation,
-        personal: findings::beside_everybody(&evaluation),
-    };
+    let following =
+        Following { found: &evaluation, personal: findings::beside_everybody(&evaluation) };
     let cards = following.cards(&judged)?;
     let lines = cards.iter().map(|card| {
-        let parts = [
-            ("question", &card.question),
-            ("verdict", &card.verdict),
-            ("answer", &card.answer),
-        ];
+        let parts =
+            [("question", &card.question), ("verdict", &card.verdict), ("answer", &card.answer)];
         texts.with(&BTreeMap::from(parts)).text("card")
     });
     let mut findings: Vec<String> = lines.collect::<Result<_, _>>()?;

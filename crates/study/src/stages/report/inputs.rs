@@ -33,20 +33,15 @@ const MOST_BYTES: u64 = 100_000;
 pub(crate) fn hashed(paths: impl IntoIterator<Item = PathBuf>) -> Result<Vec<Input>, StudyError> {
     let mut inputs = Vec::new();
     for path in paths.into_iter().filter(|p| p.is_file()) {
-        inputs.push(Input {
-            path: path.to_slash_lossy().into_owned(),
-            hash: hash_of_file(&path)?,
-        });
+        inputs.push(Input { path: path.to_slash_lossy().into_owned(), hash: hash_of_file(&path)? });
     }
     Ok(inputs)
 }
 
 /// The files among the parameters' values.
 pub(super) fn parameter_files(parameters: &[(String, String)]) -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> = parameters
-        .iter()
-        .map(|(_, value)| PathBuf::from(value))
-        .collect();
+    let mut files: Vec<PathBuf> =
+        parameters.iter().map(|(_, value)| PathBuf::from(value)).collect();
     files.retain(|p| p.is_file());
     files.dedup();
     files
@@ -59,10 +54,7 @@ pub(super) fn shown_whole(files: &[PathBuf]) -> Result<Vec<ParameterFile>, Study
         path.extension().is_some_and(|e| e == "toml") && size <= MOST_BYTES
     };
     let whole = |path: &PathBuf| {
-        Ok(ParameterFile {
-            path: path.to_slash_lossy().into_owned(),
-            text: read_text(path)?,
-        })
+        Ok(ParameterFile { path: path.to_slash_lossy().into_owned(), text: read_text(path)? })
     };
     files.iter().filter(short).map(whole).collect()
 }
@@ -98,10 +90,7 @@ pub(super) fn drawn_from(options: &DrawReport, root: &Path) -> Result<Files, Stu
         .reads_if_there([folder.join(MODEL_FILE), study.resolve(&files.scales)])
         .reads_if_there(measures)
         .reads_if_there(
-            study
-                .path
-                .iter()
-                .flat_map(|_| [&files.logs, &files.answers].map(|p| study.resolve(p))),
+            study.path.iter().flat_map(|_| [&files.logs, &files.answers].map(|p| study.resolve(p))),
         )
         .reads_if_there(values.filter(is_file)))
 }

@@ -27,10 +27,7 @@ pub(super) fn origin(key: &str) -> Made {
         "homophily" | "similarity" => ("stats", Some("table-correlations")),
         _ => ("stats", None),
     };
-    Made {
-        stage: stage.to_owned(),
-        shown_in: shown_in.map(str::to_owned),
-    }
+    Made { stage: stage.to_owned(), shown_in: shown_in.map(str::to_owned) }
 }
 
 struct Results(BTreeMap<String, f64>);
@@ -155,9 +152,7 @@ fn preferences(rated: &[Preference], by_key: &mut Results) {
     let Some(first) = rated.first() else { return };
     let n: usize = rated.iter().map(|p| p.n).sum();
     for (index, other) in first.others.iter().enumerate() {
-        let above = rated
-            .iter()
-            .filter_map(|p| Some(p.others.get(index)?.above));
+        let above = rated.iter().filter_map(|p| Some(p.others.get(index)?.above));
         let key = format!("preference.{}.percent", other.condition);
         by_key.set(key, percent(above.sum(), n));
     }
@@ -165,10 +160,7 @@ fn preferences(rated: &[Preference], by_key: &mut Results) {
         for other in &row.others {
             let key = format!("preference.{}.{}", row.rating, other.condition);
             by_key.set(format!("{key}.percent"), percent(other.above, row.n));
-            by_key.set(
-                format!("{key}.not_below_percent"),
-                percent(other.not_below, row.n),
-            );
+            by_key.set(format!("{key}.not_below_percent"), percent(other.not_below, row.n));
         }
     }
 }

@@ -58,11 +58,7 @@ impl People {
         (design, flow): (&Design, &Flow),
     ) -> Result<Self, StudyError> {
         let mut enrolled = read_enrolled(participants, design)?;
-        let out = |id: &str| {
-            flow.left_out
-                .iter()
-                .any(|l| l.who.iter().any(|who| who == id))
-        };
+        let out = |id: &str| flow.left_out.iter().any(|l| l.who.iter().any(|who| who == id));
         enrolled.retain(|p| p.excluded.is_none() && !out(p.id.as_str()));
         let mut recorded: BTreeMap<ParticipantId, [usize; 2]> = BTreeMap::new();
         for drive in drives {
@@ -166,11 +162,8 @@ impl People {
             set(&format!("{key}.female_percent"), female_percent);
         }
         set("n", Some(self.participants.len() as f64));
-        let professionals = self
-            .members(Part::Learn, None)
-            .iter()
-            .filter(|p| p.professional)
-            .count();
+        let professionals =
+            self.members(Part::Learn, None).iter().filter(|p| p.professional).count();
         set("study1.professionals", Some(professionals as f64));
         let learned_from = self.group("study1", Part::Learn, None);
         set("study1.drives", Some(learned_from.drives as f64));

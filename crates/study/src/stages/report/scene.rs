@@ -30,36 +30,26 @@ pub(super) fn view(
     }) else {
         return Ok(None);
     };
-    let Some(log) = read_log(&path, &IngestSettings::default())?
-        .into_iter()
-        .next()
-    else {
+    let Some(log) = read_log(&path, &IngestSettings::default())?.into_iter().next() else {
         return Ok(None);
     };
     let drive = Drive::from_recording(log.meta.clone(), &log.recording)?;
-    let row = drive
-        .lane_changes()
-        .first()
-        .map_or(drive.len() / 2, |c| usize::midpoint(c.start, c.end));
+    let row =
+        drive.lane_changes().first().map_or(drive.len() / 2, |c| usize::midpoint(c.start, c.end));
     let Some(scene) = log.recording.scene(row) else {
         return Ok(None);
     };
     let (x, y) = (&drive.rows().ego_x_m, &drive.rows().ego_y_m);
     let steps = (PATH_S * drive.rate_hz()) as usize;
     let path_between = |from: usize, to: usize| {
-        (from..to.min(drive.len()))
-            .map(|i| (x[i], y[i]))
-            .collect::<Vec<_>>()
+        (from..to.min(drive.len())).map(|i| (x[i], y[i])).collect::<Vec<_>>()
     };
     let heading = |i: usize| {
         let (a, b) = (i.saturating_sub(2), (i + 2).min(drive.len() - 1));
         libm::atan2(y[b] - y[a], x[b] - x[a])
     };
-    let near: Vec<_> = scene
-        .vehicles
-        .iter()
-        .filter(|v| (v.x_m - scene.ego.x_m).abs() < SIGHT_M)
-        .collect();
+    let near: Vec<_> =
+        scene.vehicles.iter().filter(|v| (v.x_m - scene.ego.x_m).abs() < SIGHT_M).collect();
     let reference = drive.rows().lead_id[row].and_then(|id| near.iter().position(|v| v.id.0 == id));
     let road = drive.road();
     Ok(Some(SimulatorView {

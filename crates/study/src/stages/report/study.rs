@@ -64,12 +64,8 @@ pub(super) fn page(
     let mut run = Run::read(folder, &study)?;
     let beside = folder.join("participants.csv");
     let participants = options.participants.as_deref().unwrap_or(&beside);
-    let people = People::read(
-        folder,
-        participants,
-        &run.measured,
-        (&study.design, &run.analysis.flow),
-    )?;
+    let people =
+        People::read(folder, participants, &run.measured, (&study.design, &run.analysis.flow))?;
     let nameless = Nameless::read(&study, folder, participants)?;
     nameless.clear(&mut run.analysis.flow);
     let (road, minutes) = driven(folder, &run)?;
@@ -134,10 +130,7 @@ pub(super) fn page(
         live,
         sections,
         supplement,
-        methods: Methods {
-            text: page.methods_on_page()?,
-            files: shown,
-        },
+        methods: Methods { text: page.methods_on_page()?, files: shown },
         ledger: ledger.clone(),
         exclusions,
         warnings: warnings(&run, &page)?,
@@ -162,8 +155,7 @@ fn with_figures<'a>(
 ) -> Vec<Live> {
     let figures = sections.flat_map(|section| &section.figures);
     let drawn: BTreeSet<&str> = figures.map(|figure| figure.name.as_str()).collect();
-    live.filter(|live| drawn.contains(live.below.as_str()))
-        .collect()
+    live.filter(|live| drawn.contains(live.below.as_str())).collect()
 }
 
 /// The paper's claims in this file, each with our result and what made it.
@@ -256,22 +248,15 @@ fn warnings(run: &Run, page: &StudyPage<'_>) -> Result<Vec<String>, StudyError> 
 fn parameters(options: &DrawReport, run: &Run) -> Vec<(String, String)> {
     let named = options.parameters.iter();
     let pipeline = named.map(|(name, value)| (format!("pipeline: {name}"), value.clone()));
-    pipeline
-        .chain(run.training.iter().flat_map(parameters_of))
-        .collect()
+    pipeline.chain(run.training.iter().flat_map(parameters_of)).collect()
 }
 
 /// The road, and how long the baseline drives of those who were tested took, in minutes; of any drive where there is no baseline.
 fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), StudyError> {
     let durations = durations(folder)?;
     let baseline = run.design.baseline_id();
-    let tested: BTreeSet<&str> = run
-        .analysis
-        .panels
-        .iter()
-        .flat_map(|p| &p.participants)
-        .map(String::as_str)
-        .collect();
+    let tested: BTreeSet<&str> =
+        run.analysis.panels.iter().flat_map(|p| &p.participants).map(String::as_str).collect();
     let mine = |d: &&MeasuredDrive| {
         tested.contains(d.meta.participant.as_str())
             && (baseline.is_none() || Some(d.meta.condition) == baseline)
@@ -285,9 +270,7 @@ fn driven(folder: &Path, run: &Run) -> Result<(Option<Road>, Option<f64>), Study
     let mean = mean(&minutes);
     for drive in run.measured.iter().filter(mine) {
         let name = format!("{}.parquet", drive.meta.drive);
-        let beside = lists(folder)
-            .into_iter()
-            .map(|list| list.with_file_name(&name));
+        let beside = lists(folder).into_iter().map(|list| list.with_file_name(&name));
         if let Some(path) = beside.into_iter().find(|p| p.is_file()) {
             return Ok((Some(*read_drive(&path)?.road()), mean));
         }
@@ -314,11 +297,7 @@ fn each_reason_once(rows: Vec<Exclusion>) -> Vec<Exclusion> {
 fn left_out(run: &Run) -> impl Iterator<Item = Exclusion> {
     let flow = &run.analysis.flow;
     let rows = flow.left_out.iter().map(|l| (l, "everything"));
-    let rows = rows.chain(
-        flow.drives
-            .iter()
-            .map(|l| (l, nameless::WITH_WHAT_WAS_SAID)),
-    );
+    let rows = rows.chain(flow.drives.iter().map(|l| (l, nameless::WITH_WHAT_WAS_SAID)));
     let named = rows.map(|(l, what)| Exclusion {
         who: l.who.join(", "),
         what: what.to_owned(),
@@ -343,9 +322,7 @@ pub(super) fn parameters_of(training: &TrainingSummary) -> Vec<(String, String)>
 /// The leaves of a JSON value, each under its path.
 fn flatten(path: &str, value: &serde_json::Value, list: &mut Vec<(String, String)>) {
     let Some(fields) = value.as_object() else {
-        let text = value
-            .as_str()
-            .map_or_else(|| value.to_string(), str::to_owned);
+        let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         list.push((path.trim_end_matches('.').to_owned(), text));
         return;
     };

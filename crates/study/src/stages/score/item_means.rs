@@ -75,10 +75,7 @@ mod tests {
             answer("B", "sporty", Some(4)),
             answer("B", "sporty:s1:t2", None),
             answer("B", "mild", Some(5)),
-            Answer {
-                item: 1,
-                ..answer("B", "mild", Some(2))
-            },
+            Answer { item: 1, ..answer("B", "mild", Some(2)) },
         ];
         let found = item_means(&[scale], answers.iter());
         let said: Vec<_> = found

@@ -56,22 +56,14 @@ impl Expected {
             counts && !answered && gate.person(who).is_none()
         });
         let people = Some(people);
-        Ok(Self {
-            people,
-            rides,
-            gate: Some(gate),
-        })
+        Ok(Self { people, rides, gate: Some(gate) })
     }
 
     /// Whether what a warning says is lacking, if it says so, was to be there.
     pub(super) fn misses(&self, warning: &ScoreWarning) -> bool {
         let people = match warning {
             ScoreWarning::NoAnswers { .. } => self.people.as_ref(),
-            ScoreWarning::Unanswered {
-                participant,
-                moment,
-                ..
-            } => {
+            ScoreWarning::Unanswered { participant, moment, .. } => {
                 let left_out = |gate: &Gate| gate.answer(participant, *moment).is_some();
                 if self.gate.as_ref().is_some_and(left_out) {
                     return false;
@@ -122,19 +114,12 @@ pub(super) fn nothing_to_score(left_out: &LeftOutAnswers) -> StudyError {
     if left_out.is_empty() {
         return StudyError::not_possible("the surveys hold no answers");
     }
-    let answers = left_out
-        .iter()
-        .flat_map(|((.., why), n)| std::iter::repeat_n(why, *n));
+    let answers = left_out.iter().flat_map(|((.., why), n)| std::iter::repeat_n(why, *n));
     let rules = counted(["answer", "answers"], answers).join("; ");
-    let reasons: BTreeSet<&str> = left_out
-        .keys()
-        .map(|(.., why)| why.reason.as_str())
-        .collect();
+    let reasons: BTreeSet<&str> = left_out.keys().map(|(.., why)| why.reason.as_str()).collect();
     let reasons: Vec<&str> = reasons.into_iter().collect();
-    StudyError::not_possible(format!(
-        "the surveys hold no answers that are let in: {rules}"
-    ))
-    .with_help(names(&reasons))
+    StudyError::not_possible(format!("the surveys hold no answers that are let in: {rules}"))
+        .with_help(names(&reasons))
 }
 
 /// What a warning says, in a line; of a table of answers after rides that it is of these alone.

@@ -48,10 +48,7 @@ fn floor_ceiling_items_and_careless_sheets_are_said() {
     let second = &found.item[1];
     assert!(second.reversed && second.r_rest.unwrap() > 0.5 && second.floor == 1);
     assert!(second.alpha_dropped.unwrap() > 0.8);
-    assert!(
-        listed.contains("C,nothing,") && listed.contains("0.5 s an item"),
-        "{listed}"
-    );
+    assert!(listed.contains("C,nothing,") && listed.contains("0.5 s an item"), "{listed}");
     assert!(listed.contains("D,nothing,") && listed.contains("all 6 items of `calm` with 4"));
     assert_eq!(listed.lines().count(), 3);
     let (after, listed) = run(&rows, Moments::After).unwrap();
@@ -102,10 +99,7 @@ fn in_a_study(
     std::fs::create_dir(at("scales")).unwrap();
     write("scales/calm.toml", SCALE);
     let conditions = "[[condition]]\nid = \"same\"\n[[condition]]\nid = \"fast\"\n";
-    write(
-        "study.toml",
-        &format!("[study]\ntitle = \"t\"\n{conditions}"),
-    );
+    write("study.toml", &format!("[study]\ntitle = \"t\"\n{conditions}"));
     write("people.csv", "participant\nA\nB\n");
     let header = "participant,moment,scale,item,answer,seconds\n";
     write("surveys.csv", &format!("{header}{rows}"));
@@ -124,10 +118,7 @@ fn in_a_study(
     let reliabilities: Vec<Reliability> = read_rows(&reliabilities_path(&options.out)).unwrap();
     let items: Vec<ItemMean> = read_rows(&item_means_path(&options.out)).unwrap();
     let scores = read_scores(&options.out).unwrap();
-    assert_eq!(
-        reliabilities.is_empty() && items.is_empty(),
-        scores.is_empty()
-    );
+    assert_eq!(reliabilities.is_empty() && items.is_empty(), scores.is_empty());
     Ok((done, scores))
 }
 
@@ -173,11 +164,8 @@ fn a_condition_rated_twice_and_a_time_below_zero_are_refused() {
     );
     let error = run(&sheet("A", "pre", [3; 6], "-1"), Moments::All).unwrap_err();
     assert!(error.contains("row 1, column `seconds`"), "{error}");
-    let error = run(
-        &sheet("A", "pre", [3; 6], "").replace(",3,", ",three,"),
-        Moments::All,
-    )
-    .unwrap_err();
+    let error =
+        run(&sheet("A", "pre", [3; 6], "").replace(",3,", ",three,"), Moments::All).unwrap_err();
     assert!(error.contains("found `three`"), "{error}");
 }
 
@@ -194,10 +182,7 @@ fn nobody_is_missed_after_a_ride_that_others_have_and_they_have_not() {
          [style]\nscore = \"adb.total\"\npoints = 15\n[baseline]\nid = \"own\"\n\
          [[condition]]\nid = \"same\"\ncar = { dial = \"0\" }\n[[condition]]\nid = \"fast\"\ncar = { dial = \"+1\" }\n";
     write("study.toml", design);
-    write(
-        "people.csv",
-        "participant,part\nL,learn\nA,test\nB,test\nC,test\n",
-    );
+    write("people.csv", "participant,part\nL,learn\nA,test\nB,test\nC,test\n");
     let row = |who: &str, ride: &str| format!("{who}-{ride},{who},{ride},automated,1,1,9,0.4\n");
     let rides = [row("A", "same"), row("A", "fast"), row("B", "same")].concat();
     let header = "drive,participant,condition,driven_by,session,trial,rows,duration_s\n";
@@ -233,9 +218,6 @@ fn nobody_is_missed_after_a_ride_that_others_have_and_they_have_not() {
         "[exclude]\npeople = { C = \"withdrew\" }\ndrives = { B-fast = \"the rig failed\" }\n";
     write("study.toml", &format!("{design}{exclude}"));
     let all = listed(Vec::new(), Moments::All);
-    assert!(
-        all.contains("participant L answered no questionnaire"),
-        "{all}"
-    );
+    assert!(all.contains("participant L answered no questionnaire"), "{all}");
     assert_eq!(all.lines().count(), 2, "{all}");
 }

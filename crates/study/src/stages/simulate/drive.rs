@@ -60,10 +60,7 @@ pub(super) fn drive(
     let who = row.participant.clone();
     let meta = DriveMeta::new(id, who, row.condition, DrivenBy::Automated).on(ride.occasion);
     if logged {
-        let beside = Beside {
-            trace: &driven.trace,
-            ..Beside::default()
-        };
+        let beside = Beside { trace: &driven.trace, ..Beside::default() };
         let log = log_of(&options.out, meta.drive.as_str());
         write_recording(&log, &driven.recording, &meta, &beside)?;
     }
@@ -99,9 +96,5 @@ fn centre_line(scenario: &Scenario, recording: &Recording) -> Option<CentreLine>
         let pose = line.map_pose(start_m + i as f64 * STEP_M, 0.0);
         (pose.x_m, pose.y_m)
     };
-    Some(CentreLine {
-        start_m,
-        step_m: STEP_M,
-        map_m: (0..places).map(place).collect(),
-    })
+    Some(CentreLine { start_m, step_m: STEP_M, map_m: (0..places).map(place).collect() })
 }

@@ -59,10 +59,7 @@ impl<'a> Logged<'a> {
     /// to be driven, and nothing else reads it.
     pub(super) fn new(options: &'a Simulate, conditions: &'a [ConditionRow]) -> Self {
         let shown = options.logs.is_none().then(|| in_the_middle(conditions));
-        Self {
-            wished: options.logs.as_ref(),
-            shown: shown.flatten(),
-        }
+        Self { wished: options.logs.as_ref(), shown: shown.flatten() }
     }
 
     pub(super) fn cover(&self, participant: &ParticipantId) -> bool {

@@ -24,12 +24,9 @@ fn row(participant: &str, condition: &str) -> ConditionRow {
 #[test]
 fn without_a_wish_the_one_in_the_middle_has_logs_and_otherwise_those_who_are_asked_for() {
     let mut rows = Vec::new();
-    for (who, score) in [
-        ("P01", Some(50.0)),
-        ("P02", None),
-        ("P03", Some(20.0)),
-        ("P04", Some(30.0)),
-    ] {
+    for (who, score) in
+        [("P01", Some(50.0)), ("P02", None), ("P03", Some(20.0)), ("P04", Some(30.0))]
+    {
         for (condition, moved) in [("mimic", 0.0), ("wild", 15.0)] {
             rows.push(ConditionRow {
                 adb_hat: score.map(|s| s + moved),
@@ -42,10 +39,7 @@ fn without_a_wish_the_one_in_the_middle_has_logs_and_otherwise_those_who_are_ask
         let asked = asked(more);
         let logged = Logged::new(&asked, rows);
         let people = rows.iter().step_by(2).map(|row| &row.participant);
-        people
-            .filter(|who| logged.cover(who))
-            .map(ToString::to_string)
-            .collect()
+        people.filter(|who| logged.cover(who)).map(ToString::to_string).collect()
     };
     let logged = |more: &[&str]| logged_of(&rows, more);
     assert_eq!(logged(&[]), ["P04"]);

@@ -67,12 +67,7 @@ impl<T: Test> Call<T> {
                 ran.map_err(|e| with_shape(in_table(e, &table, &outcome), &table, input, long))?;
             Ok((outcome, ran))
         });
-        shown(
-            input,
-            T::NAME,
-            runs.collect::<Result<_, StudyError>>()?,
-            table.rows(),
-        )
+        shown(input, T::NAME, runs.collect::<Result<_, StudyError>>()?, table.rows())
     }
 }
 
@@ -125,9 +120,7 @@ fn shown(
                 Show::Markdown => format!("## {outcome}"),
                 _ => outcome.clone(),
             });
-            let named = new_warnings
-                .into_iter()
-                .map(|warning| format!("{outcome}: {warning}"));
+            let named = new_warnings.into_iter().map(|warning| format!("{outcome}: {warning}"));
             warnings.extend(named);
         } else {
             warnings.extend(new_warnings);
@@ -142,10 +135,7 @@ fn shown(
     let value = if several {
         json!({ "value": values })
     } else {
-        values
-            .into_iter()
-            .next()
-            .map_or(Value::Null, |(_, value)| value)
+        values.into_iter().next().map_or(Value::Null, |(_, value)| value)
     };
     Ok(Outcome::new(value, summary, warnings))
 }
@@ -157,12 +147,9 @@ fn in_table(error: StudyError, table: &Table, value: &str) -> StudyError {
             let expected = "a whole number, as ordered answers are";
             table.bad_cell(row, value, found.to_string(), expected)
         }
-        StudyError::Stats(Refused::Unreadable {
-            row,
-            what,
-            text,
-            expected,
-        }) => table.bad_cell(row, &what, text, expected),
+        StudyError::Stats(Refused::Unreadable { row, what, text, expected }) => {
+            table.bad_cell(row, &what, text, expected)
+        }
         other => other,
     }
 }
@@ -189,10 +176,9 @@ fn with_shape(
     };
     if !of_shape {
         return match error {
-            StudyError::Stats(refused) => StudyError::NotPossible {
-                problem,
-                help: refused.suggestion().map(str::to_owned),
-            },
+            StudyError::Stats(refused) => {
+                StudyError::NotPossible { problem, help: refused.suggestion().map(str::to_owned) }
+            }
             other => other,
         };
     }
@@ -212,9 +198,7 @@ fn take_warnings(value: &Value, rows: usize) -> Vec<String> {
         warnings.extend(list.iter().filter_map(|w| w.as_str().map(str::to_owned)));
     }
     if let Some(missing) = value["missing"].as_u64().filter(|m| *m > 0) {
-        warnings.push(format!(
-            "{missing} of {rows} rows left out for a missing value"
-        ));
+        warnings.push(format!("{missing} of {rows} rows left out for a missing value"));
     }
     if let Some(dropped) = value["dropped"].as_array().filter(|d| !d.is_empty()) {
         let names: Vec<&str> = dropped.iter().filter_map(Value::as_str).collect();

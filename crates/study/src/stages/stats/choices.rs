@@ -49,22 +49,12 @@ pub(super) const STATISTIC: [Choice<Statistic>; 8] = [
     ("kendall_w", None, Statistic::KendallW),
 ];
 
-pub(super) const FACTORIAL: [Choice<FactorialMethod>; 2] = [
-    ("anova", None, FactorialMethod::Anova),
-    ("art", None, FactorialMethod::Art),
-];
+pub(super) const FACTORIAL: [Choice<FactorialMethod>; 2] =
+    [("anova", None, FactorialMethod::Anova), ("art", None, FactorialMethod::Art)];
 
 pub(super) const MISSING: [Choice<MissingCells>; 2] = [
-    (
-        "listwise",
-        Some("Left out whole, and named"),
-        MissingCells::Listwise,
-    ),
-    (
-        "mixed",
-        Some("Kept, with the cells that are there, in a mixed model"),
-        MissingCells::Mixed,
-    ),
+    ("listwise", Some("Left out whole, and named"), MissingCells::Listwise),
+    ("mixed", Some("Kept, with the cells that are there, in a mixed model"), MissingCells::Mixed),
 ];
 
 /// Reads one of these words.

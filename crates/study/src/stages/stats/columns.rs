@@ -36,11 +36,7 @@ pub(super) struct WithinColumns {
 
 impl WithinColumns {
     pub(super) fn long(&self) -> Long<'_> {
-        Long {
-            subject: Some(&self.subject),
-            within: &self.within,
-            value: &self.value,
-        }
+        Long { subject: Some(&self.subject), within: &self.within, value: &self.value }
     }
 
     pub(super) fn read(&self, table: &Table) -> Result<WithinSubjects, StudyError> {
@@ -136,19 +132,10 @@ pub(super) fn yes_no(table: &Table, columns: &WithinColumns) -> Result<WithinSub
         match cell.trim().to_lowercase().as_str() {
             "yes" | "y" | "true" | "1" | "1.0" => Ok(Some(1.0)),
             "no" | "n" | "false" | "0" | "0.0" => Ok(Some(0.0)),
-            _ => Err(table.bad_cell(
-                row,
-                &columns.value,
-                cell,
-                "yes or no, true or false, 1 or 0",
-            )),
+            _ => Err(table.bad_cell(row, &columns.value, cell, "yes or no, true or false, 1 or 0")),
         }
     };
-    let answers = table
-        .text(&columns.value)?
-        .into_iter()
-        .enumerate()
-        .map(answer);
+    let answers = table.text(&columns.value)?.into_iter().enumerate().map(answer);
     let answers = answers.collect::<Result<Vec<_>, StudyError>>()?;
     let subjects = labels(table, &columns.subject)?;
     let conditions = labels(table, &columns.within)?;

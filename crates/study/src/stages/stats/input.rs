@@ -19,12 +19,7 @@ pub struct Input {
     pub keep: Vec<(String, String)>,
     /// Columns that are conditions or groups, in the place of --within and --value (which then name what they become), for calls that compare
     /// some; without --subject a row is a subject
-    #[arg(
-        long,
-        value_name = "A,B,…",
-        value_delimiter = ',',
-        help_heading = "The table"
-    )]
+    #[arg(long, value_name = "A,B,…", value_delimiter = ',', help_heading = "The table")]
     pub wide: Vec<String>,
     /// Print the sentences alone, as APA has them, of calls that have some
     #[arg(long, group = "shown", help_heading = "The result")]
@@ -41,9 +36,7 @@ pub struct Input {
 }
 
 fn column_and_value(text: &str) -> Result<(String, String), String> {
-    let parts = text
-        .split_once('=')
-        .filter(|(column, _)| !column.is_empty());
+    let parts = text.split_once('=').filter(|(column, _)| !column.is_empty());
     parts
         .map(|(column, value)| (column.to_owned(), value.to_owned()))
         .ok_or_else(|| "expected COLUMN=VALUE, as in session=2".to_owned())
@@ -72,11 +65,7 @@ pub struct Long<'a> {
 impl<'a> Long<'a> {
     /// Of groups of different people.
     pub(super) fn groups(group: &'a str, value: &'a str) -> Self {
-        Self {
-            subject: None,
-            within: group,
-            value,
-        }
+        Self { subject: None, within: group, value }
     }
 
     /// Whether a table has all these columns: then it is long, and was read as it is.
@@ -125,10 +114,7 @@ impl Input {
             let problem = format!("`{}` is named twice among the wide columns", columns[twice]);
             return refused(problem, "name each column once");
         }
-        if let Some(taken) = [long.within, long.value]
-            .into_iter()
-            .find(|name| table.has(name))
-        {
+        if let Some(taken) = [long.within, long.value].into_iter().find(|name| table.has(name)) {
             let problem = format!(
                 "the table has a column `{taken}` already, which the wide columns would become"
             );
@@ -141,25 +127,15 @@ impl Input {
 
 /// What a table looks like, for somebody whose call did not fit it.
 pub(super) fn shape(table: &Table) -> String {
-    let columns: Vec<String> = table
-        .columns()
-        .iter()
-        .map(|name| format!("`{name}` ({})", kind(table, name)))
-        .collect();
-    format!(
-        "the table has {} rows and the columns {}",
-        table.rows(),
-        columns.join(", ")
-    )
+    let columns: Vec<String> =
+        table.columns().iter().map(|name| format!("`{name}` ({})", kind(table, name))).collect();
+    format!("the table has {} rows and the columns {}", table.rows(), columns.join(", "))
 }
 
 /// What to try, where the shape tells it: several columns of numbers, one row a person.
 pub(super) fn advice(table: &Table) -> Option<String> {
     let names = table.columns();
-    let numeric: Vec<&String> = names
-        .iter()
-        .filter(|name| table.numbers(name).is_ok())
-        .collect();
+    let numeric: Vec<&String> = names.iter().filter(|name| table.numbers(name).is_ok()).collect();
     let everyone_once = names
         .iter()
         .find(|name| distinct(table, name) == Some(table.rows()) && !numeric.contains(name));
@@ -168,10 +144,7 @@ pub(super) fn advice(table: &Table) -> Option<String> {
     }
     let who = everyone_once.map_or_else(String::new, |name| format!(" --subject {name}"));
     let list: Vec<&str> = numeric.iter().map(|name| name.as_str()).collect();
-    Some(format!(
-        "if these are a column a condition: --wide {}{who}",
-        list.join(",")
-    ))
+    Some(format!("if these are a column a condition: --wide {}{who}", list.join(",")))
 }
 
 fn distinct(table: &Table, column: &str) -> Option<usize> {
@@ -185,11 +158,7 @@ fn kind(table: &Table, column: &str) -> String {
     match table.numbers(column) {
         Ok(values) => {
             let missing = values.iter().filter(|v| v.is_none()).count();
-            let missing = if missing > 0 {
-                format!(", {missing} missing")
-            } else {
-                String::new()
-            };
+            let missing = if missing > 0 { format!(", {missing} missing") } else { String::new() };
             format!("numbers, {different} different{missing}")
         }
         Err(_) => format!("text, {different} different"),

@@ -101,11 +101,7 @@ fn draw(pictures: Vec<Picture>) -> Result<Figure, StudyError> {
         };
         return Ok(interaction(&input, &context)?);
     }
-    let input = Comparison {
-        panels,
-        intervals: notes.0.to_owned(),
-        contrasts: notes.1.to_owned(),
-    };
+    let input = Comparison { panels, intervals: notes.0.to_owned(), contrasts: notes.1.to_owned() };
     Ok(comparison(&input, &context)?)
 }
 

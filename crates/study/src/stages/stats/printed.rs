@@ -55,17 +55,13 @@ impl Printed {
                 "left out for a missing cell: {count} of {total} subjects ({names})"
             ));
         }
-        Self {
-            heading,
-            tables: Vec::new(),
-        }
+        Self { heading, tables: Vec::new() }
     }
 
     /// How many rows or values were left out.
     fn left_out(mut self, missing: usize, what: &str) -> Self {
         if missing > 0 {
-            self.heading
-                .push(format!("left out for a missing value: {missing} {what}"));
+            self.heading.push(format!("left out for a missing value: {missing} {what}"));
         }
         self
     }
@@ -103,11 +99,7 @@ impl Printed {
         let lines = by_reason.into_iter().map(|(reason, names)| {
             let shown = names[..names.len().min(4)].join(", ");
             let more = names.len().saturating_sub(4);
-            let more = if more > 0 {
-                format!(" and {more} more")
-            } else {
-                String::new()
-            };
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             markup::literal(&format!("{reason}: {shown}{more}"))
         });
         self.lines("No value (–)", lines.collect())
@@ -165,12 +157,8 @@ fn only_elsewhere(name: &str) -> bool {
 /// The sentences said about `names`, with marks.
 fn sentences(result: &impl Statements, names: &[&str]) -> Vec<String> {
     let statements = result.statements();
-    let wanted = statements
-        .iter()
-        .filter(|(name, _)| names.contains(&name.as_str()));
-    wanted
-        .map(|(_, sentence)| sentence.markup().to_owned())
-        .collect()
+    let wanted = statements.iter().filter(|(name, _)| names.contains(&name.as_str()));
+    wanted.map(|(_, sentence)| sentence.markup().to_owned()).collect()
 }
 
 /// A sentence after its name, with marks.
@@ -191,11 +179,7 @@ mod tests {
 
     #[test]
     fn two_tables_of_one_name_have_labels_of_their_own() {
-        let made = |title: &str| {
-            table(title, [1_usize])
-                .right("*n*", |n| Cell::count(*n))
-                .done()
-        };
+        let made = |title: &str| table(title, [1_usize]).right("*n*", |n| Cell::count(*n)).done();
         let mut first = Printed::default()
             .table(made("Pairs of sex"))
             .lines("Pairs of sex", vec!["no table".to_owned()])

@@ -25,17 +25,10 @@ impl Ran {
         let statements = result.statements();
         let mut value = plain(result);
         if let Value::Object(object) = &mut value {
-            let texts = statements
-                .iter()
-                .map(|(name, s)| (name.clone(), s.to_string().into()));
+            let texts = statements.iter().map(|(name, s)| (name.clone(), s.to_string().into()));
             object.insert("apa".to_owned(), Value::Object(texts.collect()));
         }
-        Self {
-            value,
-            statements,
-            printed,
-            picture: None,
-        }
+        Self { value, statements, printed, picture: None }
     }
 
     /// A result whose report is its numbers.
@@ -68,11 +61,7 @@ impl Ran {
             Show::Latex => self.printed.latex(),
             Show::Markdown => self.printed.written(Table::to_markdown),
             Show::Apa if self.statements.len() == 1 => vec![self.statements[0].1.to_string()],
-            Show::Apa => self
-                .statements
-                .iter()
-                .map(|(name, s)| format!("{name}: {s}"))
-                .collect(),
+            Show::Apa => self.statements.iter().map(|(name, s)| format!("{name}: {s}")).collect(),
         }
     }
 }

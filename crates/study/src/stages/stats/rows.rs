@@ -57,11 +57,7 @@ impl FactorColumns {
         let [within] = &self.within[..] else {
             return None;
         };
-        Some(Long {
-            subject: self.subject.as_deref(),
-            within,
-            value: &self.value,
-        })
+        Some(Long { subject: self.subject.as_deref(), within, value: &self.value })
     }
 }
 
@@ -125,12 +121,7 @@ impl DesignRows {
     pub(super) fn design(&self) -> Result<FactorialDesign, StudyError> {
         let (within, between) = (borrowed(&self.within), borrowed(&self.between));
         let values = &self.values;
-        Ok(FactorialDesign::from_columns(
-            &self.subjects,
-            &within,
-            &between,
-            values,
-        )?)
+        Ok(FactorialDesign::from_columns(&self.subjects, &within, &between, values)?)
     }
 
     /// Its factors, those between subjects first.
@@ -156,10 +147,7 @@ impl DesignRows {
     /// The cell of a row, the last factor counting fastest.
     fn cell(&self, row: usize, levels: &[Vec<&str>]) -> Option<usize> {
         let between = self.between.iter().map(|(_, cells)| cells[row].as_deref());
-        let within = self
-            .within
-            .iter()
-            .map(|(_, cells)| Some(cells[row].as_str()));
+        let within = self.within.iter().map(|(_, cells)| Some(cells[row].as_str()));
         let mut cell = 0;
         for (level, levels) in between.chain(within).zip(levels) {
             let level = level?;
@@ -176,9 +164,8 @@ impl DesignRows {
             let (Some(cell), Some(value)) = (self.cell(row, levels), value) else {
                 continue;
             };
-            let unfilled = people
-                .iter_mut()
-                .find(|(known, cells)| known == who && cells[cell].is_none());
+            let unfilled =
+                people.iter_mut().find(|(known, cells)| known == who && cells[cell].is_none());
             if let Some((_, cells)) = unfilled {
                 cells[cell] = Some(*value);
             } else {

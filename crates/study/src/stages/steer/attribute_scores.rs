@@ -45,9 +45,7 @@ pub struct AttributeSummary {
 
 impl fmt::Display for AttributeSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let left_out = self
-            .r_squared_leave_one_out
-            .map_or("-".to_owned(), |r| format!("{r:.2}"));
+        let left_out = self.r_squared_leave_one_out.map_or("-".to_owned(), |r| format!("{r:.2}"));
         write!(
             f,
             "  {}: R² {:.2} ({left_out} leaving drives out), direction ± {:.0}°, {} drives",
@@ -152,10 +150,7 @@ fn scores_of(
             } else if let Some(value) = value
                 && by_drive.scores.insert(drive.clone(), value).is_some()
             {
-                return Err(StudyError::file(
-                    path,
-                    format!("drive {drive} has two rows"),
-                ));
+                return Err(StudyError::file(path, format!("drive {drive} has two rows")));
             }
         }
         return Ok(by_drive);
@@ -199,10 +194,7 @@ fn questionnaire(
     }
     let mut by_drive = Scores::default();
     let mut unknown = BTreeSet::new();
-    for score in scores
-        .iter()
-        .filter(|s| full(&s.scale, &s.subscale) == name)
-    {
+    for score in scores.iter().filter(|s| full(&s.scale, &s.subscale) == name) {
         let Some(value) = score.value else { continue };
         if !training.iter().any(|t| t.participant == score.participant) {
             unknown.insert(&score.participant);
@@ -260,11 +252,8 @@ C,pre,ipip,openness,2.5,4,4
     #[test]
     fn a_questionnaire_is_read_by_role_and_strangers_are_counted() {
         let by_drive = read(LONG, "ipip.openness").unwrap();
-        let values: Vec<(&str, f64)> = by_drive
-            .scores
-            .iter()
-            .map(|(d, v)| (d.as_str(), *v))
-            .collect();
+        let values: Vec<(&str, f64)> =
+            by_drive.scores.iter().map(|(d, v)| (d.as_str(), *v)).collect();
         assert_eq!(values, [("A-aggressive", 4.5), ("A-own", 3.5)]);
         assert_eq!(by_drive.unknown, 1);
     }

@@ -50,11 +50,8 @@ pub(super) fn conditions(
     watch: Watch<'_>,
 ) -> Result<Outcome<Steered>, StudyError> {
     let design = &study.design;
-    let driven: Vec<&Condition> = design
-        .conditions()
-        .iter()
-        .filter(|c| !matches!(c.car, None | Some(Car::Free)))
-        .collect();
+    let driven: Vec<&Condition> =
+        design.conditions().iter().filter(|c| !matches!(c.car, None | Some(Car::Free))).collect();
     if driven.is_empty() {
         return Err(study.wrong(
             "`condition.car`: found no learned car, expected one to steer",
@@ -107,9 +104,8 @@ pub(super) fn conditions(
     let shifts = rows.iter().filter(shifted).count();
     let clamped = rows.iter().filter(|row| row.clamped).count();
     if clamped > 0 {
-        warnings.push(format!(
-            "{clamped} of {shifts} shifts were cut short by the ends of the scale"
-        ));
+        warnings
+            .push(format!("{clamped} of {shifts} shifts were cut short by the ends of the scale"));
     }
     let nowhere = |c: &&&Condition| c.car == Some(Car::Across) && !steering.across;
     let summary = vec![format!(
@@ -132,10 +128,7 @@ pub(super) fn conditions(
 impl Steering<'_> {
     /// Looks whether there is something across the dial, where a condition asks for it; what to know of one that has nothing there.
     fn look_across(&mut self, driven: &[&Condition]) -> Result<Vec<String>, StudyError> {
-        let mut across = driven
-            .iter()
-            .filter(|c| c.car == Some(Car::Across))
-            .peekable();
+        let mut across = driven.iter().filter(|c| c.car == Some(Car::Across)).peekable();
         if across.peek().is_none() {
             return Ok(Vec::new());
         }
@@ -195,10 +188,8 @@ impl Steering<'_> {
         let embedding = placed.embedding;
         let ends = [&person.embedding, &embedding];
         let range = self.model.score_range();
-        let of_the_own_style = matches!(
-            condition.car,
-            Some(Car::Dial(_) | Car::Across | Car::Replay)
-        );
+        let of_the_own_style =
+            matches!(condition.car, Some(Car::Dial(_) | Car::Across | Car::Replay));
         Ok(Some(ConditionRow {
             participant: person.participant.clone(),
             condition: condition.id,
@@ -298,9 +289,8 @@ impl Steering<'_> {
     fn nobodys(&self, driven: &[&Condition], people: &[&EmbeddingRow]) -> Vec<(String, String)> {
         let ridden = driven.iter().filter(|c| c.recorded);
         let ridden = ridden.filter(|c| matches!(c.car, Some(Car::Matched(_))));
-        let missing =
-            ridden.flat_map(|condition| {
-                people.iter().filter_map(|person| {
+        let missing = ridden.flat_map(|condition| {
+            people.iter().filter_map(|person| {
                 let mut lent = self.ridden.iter().filter(|row| row.condition == condition.id);
                 let known = lent.any(|row| row.participant == person.participant);
                 let what = format!(
@@ -309,7 +299,7 @@ impl Steering<'_> {
                 );
                 (!known).then(|| (person.participant.to_string(), what))
             })
-            });
+        });
         missing.collect()
     }
 

@@ -76,9 +76,8 @@ pub(super) fn sweep(
     }
     let beyond = conditions.iter().filter(|c| c.beyond_training).count();
     if beyond > 0 {
-        warnings.push(format!(
-            "{beyond} of {n} embeddings lie further out than any training driver's"
-        ));
+        warnings
+            .push(format!("{beyond} of {n} embeddings lie further out than any training driver's"));
     }
     let mut summary = vec![format!(
         "{} participants × {} points along {name}: {}",

@@ -21,9 +21,7 @@ pub fn drives<'a>(
         return BTreeSet::new();
     }
     let roles = design.roles().iter().map(|role| role.id.as_str());
-    let labels: Vec<&str> = std::iter::once(design.own_drive_label())
-        .chain(roles)
-        .collect();
+    let labels: Vec<&str> = std::iter::once(design.own_drive_label()).chain(roles).collect();
     // `P1-own`, or `P1-own_s2_t1`.
     let is_label = |rest: &str| {
         labels.iter().any(|label| {
@@ -33,14 +31,10 @@ pub fn drives<'a>(
     };
     let is_by = |drive: &DriveId, who: &ParticipantId| {
         let rest = drive.as_str().strip_prefix(who.as_str());
-        rest.and_then(|rest| rest.strip_prefix('-'))
-            .is_some_and(is_label)
+        rest.and_then(|rest| rest.strip_prefix('-')).is_some_and(is_label)
     };
     let learned = learned.into_iter();
-    learned
-        .filter(|drive| people.iter().any(|who| is_by(drive, who)))
-        .cloned()
-        .collect()
+    learned.filter(|drive| people.iter().any(|who| is_by(drive, who))).cloned().collect()
 }
 
 #[cfg(test)]
@@ -66,10 +60,7 @@ mod tests {
      {
         let (ticked, left) = (row("P1", Some(true)), row("P2", Some(false)));
         let before = row("P3", None);
-        assert_eq!(
-            withheld(&[ticked.clone(), left, before.clone()]),
-            ["P2", "P3"]
-        );
+        assert_eq!(withheld(&[ticked.clone(), left, before.clone()]), ["P2", "P3"]);
         assert!(withheld(std::slice::from_ref(&ticked)).is_empty());
         assert_eq!(withheld(&[before]), ["P3"]);
         assert!(withheld(&[]).is_empty());
@@ -84,14 +75,7 @@ mod tests {
             );
             Design::from_toml(&text).unwrap()
         };
-        let ids = [
-            "P1-own",
-            "P1-own_s2_t1",
-            "P1-by-hand",
-            "P1-2-own",
-            "P10-own",
-            "P2-own",
-        ];
+        let ids = ["P1-own", "P1-own_s2_t1", "P1-by-hand", "P1-2-own", "P10-own", "P2-own"];
         let learned = ids.map(|id| DriveId::new(id).unwrap());
         let refused = BTreeSet::from([ParticipantId::new("P1").unwrap()]);
         let here = design("[people]\nlearn = { part = \"learn\" }");

@@ -14,11 +14,7 @@ pub(super) struct EpochProgress<'a> {
 
 impl<'a> EpochProgress<'a> {
     pub(super) fn new(watch: Watch<'a>) -> Self {
-        Self {
-            watch,
-            last: Instant::now(),
-            rows_per_s: None,
-        }
+        Self { watch, last: Instant::now(), rows_per_s: None }
     }
 
     pub(super) fn show(&mut self, report: &EpochReport) -> ControlFlow<()> {
@@ -59,10 +55,7 @@ fn epoch_line(report: &EpochReport, rows_per_s: Option<f64>) -> String {
     };
     let terms = (1..).zip(terms);
     let terms = terms.filter_map(|(number, term)| Some(format!("L{number} {:.3}", term?)));
-    let mut parts = vec![format!(
-        "{rows} {}",
-        terms.collect::<Vec<String>>().join(" ")
-    )];
+    let mut parts = vec![format!("{rows} {}", terms.collect::<Vec<String>>().join(" "))];
     let bound = losses.mutual_information_bound;
     parts.extend(bound.map(|bound| format!("I >= {bound:.2} nats")));
     parts.extend(rows_per_s.map(|rate| format!("{:.0}k rows/s", rate / 1e3)));

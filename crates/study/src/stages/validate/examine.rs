@@ -142,17 +142,10 @@ impl Examination<'_> {
         model: &Model,
         watch: Watch<'_>,
     ) -> Result<Examined, StudyError> {
-        let People {
-            test,
-            training,
-            trained_on,
-        } = self.people;
+        let People { test, training, trained_on } = self.people;
         let axis = LinearHead::aggression(model)?;
         let fits = self.fits(model, watch)?;
-        let (mut rides, steps) = (
-            self.dial_rides(&axis, &fits.scored)?,
-            STEPS.len() * self.worlds,
-        );
+        let (mut rides, steps) = (self.dial_rides(&axis, &fits.scored)?, STEPS.len() * self.worlds);
         let beyond: Vec<Embedding> = rides.iter().map(|r| r.embedding.clone()).collect();
         let (perpendicular, moved) = self.across(model, &axis, &fits.scored)?;
         rides.extend(perpendicular);
@@ -180,10 +173,7 @@ impl Examination<'_> {
         let z = standardiser(&measured);
         let car = Car {
             values: values_of(unscored),
-            read_back: unscored
-                .iter()
-                .filter_map(|r| r.read_back.clone())
-                .collect(),
+            read_back: unscored.iter().filter_map(|r| r.read_back.clone()).collect(),
         };
         let measures = Measured {
             own: &own_values,
@@ -262,12 +252,7 @@ impl Examination<'_> {
         let [training_own, training_again] = measures.training;
         let by_measures = within_person(&zs(training_own), &zs(training_again));
         let questions = [
-            (
-                "embedding of the second drive",
-                places(&fits.own),
-                places(&fits.own_again),
-                &by_days,
-            ),
+            ("embedding of the second drive", places(&fits.own), places(&fits.own_again), &by_days),
             (
                 "seven measures of the second drive",
                 zs(measures.own),
@@ -280,12 +265,7 @@ impl Examination<'_> {
                 places(&car.read_back),
                 &by_days,
             ),
-            (
-                "seven measures of the car",
-                zs(measures.own),
-                zs(&car.values),
-                &by_measures,
-            ),
+            ("seven measures of the car", zs(measures.own), zs(&car.values), &by_measures),
             (
                 "embedding fitted with ADB (tells nothing: same score twice)",
                 places(&fits.scored),
@@ -339,10 +319,7 @@ impl Examination<'_> {
         let settings = values_of(settings);
         let means = settings.chunks_exact(self.worlds).map(column_means);
         let means: Vec<Values> = means.collect();
-        means
-            .chunks_exact(STEPS.len())
-            .map(<[Values]>::to_vec)
-            .collect()
+        means.chunks_exact(STEPS.len()).map(<[Values]>::to_vec).collect()
     }
 }
 

@@ -58,11 +58,7 @@ pub struct InTurn {
 impl InTurn {
     /// How many people a table is about.
     fn people_of(&self, table: &ValidateTable) -> usize {
-        if table.people.is_empty() {
-            self.people
-        } else {
-            table.people.len()
-        }
+        if table.people.is_empty() { self.people } else { table.people.len() }
     }
 }
 
@@ -80,10 +76,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     let study = DesignFile::find(options.design.as_deref())?;
     let mut warnings = Vec::new();
     let scores = options.run.join("scores.csv");
-    let files = (
-        &*options.run.join("drives"),
-        scores.is_file().then_some(&*scores),
-    );
+    let files = (&*options.run.join("drives"), scores.is_file().then_some(&*scores));
     let recordings = recordings::read(&study, files, &mut warnings)?;
     let declared = study.design.validate();
     let mut asked = declared.tables.clone();
@@ -93,10 +86,7 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
     for table in asked.iter_mut().filter(|t| t.learn.is_empty()) {
         table.learn = recordings.labels();
     }
-    let settings = TrainSettings {
-        heads: options.heads,
-        ..TrainSettings::default()
-    };
+    let settings = TrainSettings { heads: options.heads, ..TrainSettings::default() };
     let mut tables = Vec::new();
     for table in asked {
         watch.check()?;
@@ -113,21 +103,14 @@ pub(super) fn work(options: &Validate, watch: Watch<'_>) -> Result<Outcome<InTur
         };
         warnings.extend(unanswered.iter().map(|why| format!("{}: {why}", table.id)));
         warnings.extend(answer.iter().flat_map(|a| a.warnings(&table.id)));
-        tables.push(Answered {
-            asked: table,
-            answer,
-            unanswered,
-        });
+        tables.push(Answered { asked: table, answer, unanswered });
     }
     warnings.dedup();
     let judged = tables.iter().filter(|t| !t.asked.seen);
     let judged: Vec<&Answer> = judged.filter_map(|t| t.answer.as_ref()).collect();
     let value = InTurn {
         findings: findings_of(&judged),
-        synthetic: recordings
-            .rows
-            .iter()
-            .any(|r| r.drive.meta().driven_by == DrivenBy::Synthetic),
+        synthetic: recordings.rows.iter().any(|r| r.drive.meta().driven_by == DrivenBy::Synthetic),
         heads: options.heads,
         people: people(&recordings.drove()).len(),
         drives: recordings.rows.len(),
@@ -218,10 +201,7 @@ impl Bench<'_> {
                 let measured = measured(&rows);
                 let role = role_of(table.role)?;
                 let (measures, uncounted) = retest(&learning.drove, role, &measured, &lines)?;
-                Ok(Answer::Retest {
-                    measures,
-                    uncounted,
-                })
+                Ok(Answer::Retest { measures, uncounted })
             }
             Asks::Errors => {
                 let prior = self.settings.heads == HeadsKind::Linear;
@@ -245,10 +225,7 @@ impl Bench<'_> {
         folds: &[Fold],
         watch: Watch<'_>,
     ) -> Result<Order, StudyError> {
-        let roles = Asked {
-            higher: role_of(self.table.higher)?,
-            lower: self.table.lower.clone(),
-        };
+        let roles = Asked { higher: role_of(self.table.higher)?, lower: self.table.lower.clone() };
         let wanted = self.options.permutations;
         // Networks see the score: each exchange of roles learns all of them again, which has to be asked for.
         let permutations = wanted.unwrap_or(match self.settings.heads {
@@ -261,13 +238,7 @@ impl Bench<'_> {
             done += 1;
             learning.lines(folds, points)
         };
-        order(
-            &learning.drove,
-            &roles,
-            permutations,
-            self.options.seed,
-            &mut read,
-        )
+        order(&learning.drove, &roles, permutations, self.options.seed, &mut read)
     }
 }
 

@@ -105,10 +105,8 @@ fn dial_of(
             "1" => ("count", 1.0),
             other => (other, 1.0),
         };
-        let shares = [
-            ("aggressive", share(&dial.aggressive)?),
-            ("cautious", share(&dial.cautious)?),
-        ];
+        let shares =
+            [("aggressive", share(&dial.aggressive)?), ("cautious", share(&dial.cautious)?)];
         Ok(DialPanel {
             title: dial.title.to_owned(),
             axis: unit.to_owned(),

@@ -94,14 +94,8 @@ pub(super) fn read(folder: &Path) -> Result<People, StudyError> {
     for drive in read_drives(&folder.join("drives").join("study1"))? {
         trained_on.push((
             values(&drive),
-            scores
-                .of_drive(&drive, None, baseline)?
-                .map(StyleScore::points),
+            scores.of_drive(&drive, None, baseline)?.map(StyleScore::points),
         ));
     }
-    Ok(People {
-        test,
-        training,
-        trained_on,
-    })
+    Ok(People { test, training, trained_on })
 }

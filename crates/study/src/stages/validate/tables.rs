@@ -123,35 +123,19 @@ pub(super) fn tables(
         |over: &[&super::Identification]| BTreeMap::from([("interval", interval_of(over))]);
     Ok(vec![
         texts.table("validation-retest", retested)?,
-        texts.table(
-            "validation-identity",
-            rows(models, |m| &m.identity, hit_interval),
-        )?,
+        texts.table("validation-identity", rows(models, |m| &m.identity, hit_interval))?,
         texts.table("validation-errors", errors(models, one))?,
-        texts.table(
-            "validation-fidelity",
-            rows(models, |m| &m.fidelity, nothing),
-        )?,
-        texts.table(
-            "validation-likeness",
-            rows(models, |m| &m.likeness, nothing),
-        )?,
+        texts.table("validation-fidelity", rows(models, |m| &m.fidelity, nothing))?,
+        texts.table("validation-likeness", rows(models, |m| &m.likeness, nothing))?,
         texts.table(
             "validation-likeness-by-column",
             rows(models, |m| &m.likeness_by_column, nothing),
         )?,
         texts.table("validation-dial", rows(models, |m| &m.dial, with_room))?,
-        texts.table(
-            "validation-perpendicular",
-            rows(models, |m| &m.perpendicular, changes),
-        )?,
+        texts.table("validation-perpendicular", rows(models, |m| &m.perpendicular, changes))?,
         texts.table(
             "validation-line",
-            rows(
-                models,
-                |m| &m.line,
-                |over| BTreeMap::from([("name", over[0].reading.title())]),
-            ),
+            rows(models, |m| &m.line, |over| BTreeMap::from([("name", over[0].reading.title())])),
         )?,
     ])
 }
@@ -177,10 +161,7 @@ fn errors(models: &[Examined], one: &Examined) -> [ErrorRow; 2] {
     type Share = fn(&Held) -> Option<ShareOfPeople>;
     let row = |at, right, share: Share| ErrorRow {
         at,
-        shares: models
-            .iter()
-            .map(|m| share(&m.errors).map(|s| s.estimate))
-            .collect(),
+        shares: models.iter().map(|m| share(&m.errors).map(|s| s.estimate)).collect(),
         interval: share(&one.errors).and_then(|s| s.interval),
         right,
     };
@@ -199,10 +180,6 @@ fn with_room(over: &[&Dial]) -> BTreeMap<&'static str, Vec<Option<f64>>> {
 /// In how many models an angle goes with the change, and how many decimals the change is read with.
 fn changes(over: &[&Across]) -> BTreeMap<&'static str, usize> {
     let small = over.iter().filter(|a| a.angle_p.is_some_and(|p| p < 0.05));
-    let decimals = if over[0].measure == "left_lane_fraction" {
-        3
-    } else {
-        2
-    };
+    let decimals = if over[0].measure == "left_lane_fraction" { 3 } else { 2 };
     BTreeMap::from([("small", small.count()), ("decimals", decimals)])
 }

@@ -93,9 +93,7 @@ pub(super) fn read_rows(
         .unwrap_or_else(|| vec![LongColumns::ID.to_owned()]);
     let given = mapping.layout.columns();
     let named = ids.iter().flat_map(|id| {
-        given
-            .iter()
-            .map(move |(key, name)| (key, LongColumns::of_vehicle(name, id)))
+        given.iter().map(move |(key, name)| (key, LongColumns::of_vehicle(name, id)))
     });
     let named: Vec<(&String, String)> = named.filter(|(key, _)| *key != "time").collect();
     let mut wanted = vec![(c.time.as_str(), clock.kind())];
@@ -118,9 +116,8 @@ pub(super) fn read_rows(
         long_table.ids.clone_from(&vehicles);
         for (id, name) in (0..).zip(&vehicles) {
             let places = stamp_ns.iter().zip(&group_codes);
-            let places: Vec<Place> = places
-                .map(|(ns, group)| Some(((*group)?, id, (*ns)?)))
-                .collect();
+            let places: Vec<Place> =
+                places.map(|(ns, group)| Some(((*group)?, id, (*ns)?))).collect();
             // Where its columns are empty the vehicle is not there.
             long_table.take(&table, mapping, long, name, &places)?;
         }
@@ -129,9 +126,8 @@ pub(super) fn read_rows(
         let (codes, ids) = table.codes(id)?;
         (long_table.vehicles, long_table.ids) = (ids.len(), ids);
         let places = codes.iter().zip(&stamp_ns).zip(&group_codes);
-        let places: Vec<Place> = places
-            .map(|((id, ns), group)| Some(((*group)?, (*id)?, (*ns)?)))
-            .collect();
+        let places: Vec<Place> =
+            places.map(|((id, ns), group)| Some(((*group)?, (*id)?, (*ns)?))).collect();
         long_table.take(&table, mapping, long, "", &places)?;
         long_table.left_out = table.rows() - long_table.rows.len();
     }
@@ -177,11 +173,7 @@ impl LongTable {
         let lead_speed = column(&c.lead_speed, speed)?;
         let lead_length = column(&c.lead_length, length)?;
         let along = long.forward.sign();
-        let turned = if along < 0.0 {
-            std::f64::consts::PI
-        } else {
-            0.0
-        };
+        let turned = if along < 0.0 { std::f64::consts::PI } else { 0.0 };
         // A row without the y or the lane that its table has stands nowhere.
         let by_lane = y.is_none() && lane.is_some();
 
@@ -203,11 +195,7 @@ impl LongTable {
                 y_m: y.as_ref().map_or(0.0, |y| along * y[row]),
                 lane: cell(&lane, row),
                 offset: cell(&offset, row),
-                speed_mps: if v.is_nan() {
-                    libm::hypot(vx, across)
-                } else {
-                    v
-                },
+                speed_mps: if v.is_nan() { libm::hypot(vx, across) } else { v },
                 speed_x_mps: along * vx,
                 yaw_rad: cell(&yaw, row) + turned,
                 length_m: cell(&lengths, row),
@@ -240,19 +228,11 @@ fn groups(table: &Table, columns: &[String]) -> Result<(Vec<Option<u32>>, Groups
     let key = |row: usize| -> Option<Vec<u32>> { parts.iter().map(|(c, _)| c[row]).collect() };
     let numbers = numbered((0..table.rows()).filter_map(key));
     let value = |key: &Vec<u32>| -> Vec<String> {
-        let named = key
-            .iter()
-            .zip(&parts)
-            .map(|(&code, (_, names))| names[code as usize].clone());
+        let named = key.iter().zip(&parts).map(|(&code, (_, names))| names[code as usize].clone());
         named.collect()
     };
-    let groups = Groups {
-        columns: columns.to_vec(),
-        values: numbers.keys().map(value).collect(),
-    };
-    let codes = (0..table.rows())
-        .map(|row| key(row).map(|k| numbers[&k]))
-        .collect();
+    let groups = Groups { columns: columns.to_vec(), values: numbers.keys().map(value).collect() };
+    let codes = (0..table.rows()).map(|row| key(row).map(|k| numbers[&k])).collect();
     Ok((codes, groups))
 }
 

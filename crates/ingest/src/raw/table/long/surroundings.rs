@@ -104,13 +104,7 @@ impl Surroundings {
         let leads = vehicle.leads.iter().zip(&vehicle.lead_ids);
         for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(leads) {
             objects.extend(lead.map(|lead| lead_sample(&lead, &sample, numbers, &mut unnamed)));
-            let observer = Observer {
-                ego,
-                sample,
-                lead_id,
-                by_row: lead.and(lead_id),
-                view,
-            };
+            let observer = Observer { ego, sample, lead_id, by_row: lead.and(lead_id), view };
             let mut near: Vec<(f64, ObjectSample)> = Vec::new();
             for (other, at, o) in self.seen_from(vehicles, &observer) {
                 if let Some(last_ns) = last_ns
@@ -150,20 +144,19 @@ impl Surroundings {
         let (vehicle, observer) = (&vehicles[observer.ego], *observer);
         let mut seen = BTreeSet::new();
         let (stamp_ns, x_m) = (observer.sample.stamp_ns, observer.sample.x_m);
-        self.near(vehicle.group, stamp_ns, x_m)
-            .filter_map(move |s| {
-                let (index, at) = (s.vehicle as usize, s.sample as usize);
-                let other = &vehicles[index];
-                let passed_over = match observer.view {
-                    View::All => other.sign * vehicle.sign < 0.0,
-                    View::Leader | View::LeaderInBends => observer.lead_id != Some(other.id),
-                };
-                let there = observer.by_row == Some(other.id) || index == observer.ego;
-                if passed_over || there || !seen.insert(s.vehicle) {
-                    return None;
-                }
-                Some((other, at, self.at(other, at, stamp_ns)?))
-            })
+        self.near(vehicle.group, stamp_ns, x_m).filter_map(move |s| {
+            let (index, at) = (s.vehicle as usize, s.sample as usize);
+            let other = &vehicles[index];
+            let passed_over = match observer.view {
+                View::All => other.sign * vehicle.sign < 0.0,
+                View::Leader | View::LeaderInBends => observer.lead_id != Some(other.id),
+            };
+            let there = observer.by_row == Some(other.id) || index == observer.ego;
+            if passed_over || there || !seen.insert(s.vehicle) {
+                return None;
+            }
+            Some((other, at, self.at(other, at, stamp_ns)?))
+        })
     }
 
     /// Where a vehicle is at a time beside one of its samples: as that says, or between it and the next to it.
@@ -200,9 +193,7 @@ impl Surroundings {
     /// first.
     fn near(&self, group: u32, stamp_ns: i64, x_m: f64) -> impl Iterator<Item = &Seen> {
         let within_ns = self.half_step_ns.get(&group).copied().unwrap_or(0);
-        let begin = self
-            .seen
-            .partition_point(|s| s.time() < (group, stamp_ns - within_ns));
+        let begin = self.seen.partition_point(|s| s.time() < (group, stamp_ns - within_ns));
         let around = self.seen[begin..]
             .chunk_by(|a, b| a.time() == b.time())
             .take_while(move |s| s[0].time() <= (group, stamp_ns + within_ns));
@@ -335,10 +326,6 @@ fn seen_times(ego: &Vehicle, unseen: &[(i64, i64)]) -> Sightings {
         }
         unseen.get(hole).is_none_or(|(from, _)| ns <= *from)
     });
-    let sighting = |stamp_ns| Sighting {
-        stamp_ns,
-        log_ns: stamp_ns,
-        nth: 0,
-    };
+    let sighting = |stamp_ns| Sighting { stamp_ns, log_ns: stamp_ns, nth: 0 };
     times.map(sighting).collect()
 }

@@ -25,11 +25,7 @@ impl Frame<'_> {
     fn forwards(&self, speed_mps: f64) -> f64 {
         let all_along_x =
             self.long.directions == Directions::Along && self.long.forward == Forward::AlongX;
-        if all_along_x {
-            speed_mps
-        } else {
-            speed_mps.abs()
-        }
+        if all_along_x { speed_mps } else { speed_mps.abs() }
     }
 }
 
@@ -89,10 +85,7 @@ pub(super) fn vehicles(mut rows: Vec<LongRow>, frame: &Frame<'_>, max_gap_s: f64
             vehicles.push(vehicle(rows, generation, frame, lane_y.as_ref(), max_gap_s));
         }
     }
-    Fleet {
-        vehicles,
-        lane_steps: matches!(lane_y, Some(LaneCentres::Number)),
-    }
+    Fleet { vehicles, lane_steps: matches!(lane_y, Some(LaneCentres::Number)) }
 }
 
 fn vehicle(
@@ -113,11 +106,8 @@ fn vehicle(
     let turn = if headed { 1.0 } else { sign };
     let sample = |row: &LongRow| {
         let yaw = frame.y_left * row.yaw_rad;
-        let (cos, sin) = if headed && yaw.is_finite() {
-            (libm::cos(yaw), libm::sin(yaw))
-        } else {
-            (1.0, 0.0)
-        };
+        let (cos, sin) =
+            if headed && yaw.is_finite() { (libm::cos(yaw), libm::sin(yaw)) } else { (1.0, 0.0) };
         let (mut x, mut y) = (turn * row.x_m, turn * frame.y_left * row.y_m);
         match long.point {
             Point::Front => (x, y) = (x - 0.5 * length_m * cos, y - 0.5 * length_m * sin),
@@ -140,11 +130,7 @@ fn vehicle(
             nth: 0,
             x_m: x,
             y_m: lane_y.map_or(y, |lanes| lanes.place(row, y, &frame.lanes)),
-            yaw_rad: if headed {
-                yaw.is_finite().then_some(yaw)
-            } else {
-                Some(0.0)
-            },
+            yaw_rad: if headed { yaw.is_finite().then_some(yaw) } else { Some(0.0) },
             speed_mps: speed,
         }
     };
@@ -181,11 +167,7 @@ fn sign(rows: &[LongRow], long: &Long) -> f64 {
     let along_x = rows.iter().map(|r| r.speed_x_mps);
     let velocity: f64 = along_x.filter(|v| v.is_finite()).sum();
     let moved = rows[rows.len() - 1].x_m - rows[0].x_m;
-    let way = if velocity.abs() > 0.0 {
-        velocity
-    } else {
-        moved
-    };
+    let way = if velocity.abs() > 0.0 { velocity } else { moved };
     if way < 0.0 { -1.0 } else { 1.0 }
 }
 
@@ -203,11 +185,7 @@ fn lead(
         return None;
     }
     let known = row.lead_length_m > 0.0;
-    let length_m = if known {
-        row.lead_length_m
-    } else {
-        mapping.lead_length_m
-    };
+    let length_m = if known { row.lead_length_m } else { mapping.lead_length_m };
     let x_m = if row.lead_x_m.is_finite() {
         let x = sign * row.lead_x_m;
         match long.point {

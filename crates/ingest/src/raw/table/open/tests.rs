@@ -15,11 +15,7 @@ fn foreign_parquet() -> Vec<u8> {
     let us = DataType::Datetime(TimeUnit::Microseconds, None);
     let stamps = Series::new(
         "".into(),
-        [
-            1_562_235_693_100_000_i64,
-            1_562_235_693_200_000,
-            1_562_235_693_300_000,
-        ],
+        [1_562_235_693_100_000_i64, 1_562_235_693_200_000, 1_562_235_693_300_000],
     );
     let zoned = |name: &str, zone: &str| {
         let zone = polars_core::prelude::TimeZone::opt_try_new(Some(zone)).unwrap();
@@ -63,11 +59,7 @@ fn open(text: &str, wanted: &[(&str, Kind)]) -> Result<Table, IngestError> {
 #[test]
 fn a_header_is_found_below_other_lines_and_with_any_separator() {
     let text = "Freq;10\nDate;today\n Time ;Speed1\r\n0,5;1\r\n0,6;2\r\n";
-    let style = Style {
-        separator: None,
-        decimal_comma: true,
-        ..Style::default()
-    };
+    let style = Style { separator: None, decimal_comma: true, ..Style::default() };
     let wanted = [("time", Kind::Number), ("Speed1", Kind::Number)];
     let table = Table::open(Path::new("t.csv"), text.into(), style, &wanted).unwrap();
     assert_eq!(table.numbers("time").unwrap(), [0.5, 0.6]);
@@ -76,25 +68,13 @@ fn a_header_is_found_below_other_lines_and_with_any_separator() {
 
 #[test]
 fn a_word_among_numbers_is_named_by_row_and_empty_cells_are_missing() {
-    let wanted = [
-        ("t", Kind::Number),
-        ("v", Kind::Number),
-        ("w?", Kind::Number),
-    ];
+    let wanted = [("t", Kind::Number), ("v", Kind::Number), ("w?", Kind::Number)];
     let table = open("t,v\n0,1\n1,fast\n", &wanted).unwrap();
     let error = table.numbers("v").unwrap_err().to_string();
-    assert!(
-        error.contains("row 2") && error.contains("`fast`"),
-        "{error}"
-    );
+    assert!(error.contains("row 2") && error.contains("`fast`"), "{error}");
     assert!(!table.has("w?"));
     let table = open("t,v\n0,NaN\n1,\n2,NA\n3,4\n", &wanted).unwrap();
-    let missing: Vec<bool> = table
-        .numbers("v")
-        .unwrap()
-        .iter()
-        .map(|v| v.is_nan())
-        .collect();
+    let missing: Vec<bool> = table.numbers("v").unwrap().iter().map(|v| v.is_nan()).collect();
     assert_eq!(missing, [true, true, true, false]);
 }
 
@@ -106,16 +86,10 @@ fn a_row_of_too_many_cells_and_a_doubled_name_are_refused() {
     // The cell that is too many stands behind the columns that are read, or holds what looks like a number.
     for text in ["t,v\n0,1\n0,19,5\n", "t,\"v\"\n0,1\n0,\"1\",5\n"] {
         let error = open(text, &[("t", Kind::Number), ("v", Kind::Number)]).unwrap_err();
-        assert!(
-            error.to_string().contains("row 2 has 3 cells, expected 2"),
-            "{error}"
-        );
+        assert!(error.to_string().contains("row 2 has 3 cells, expected 2"), "{error}");
     }
     assert_eq!(
-        open("t,v\n0,1,\n2,3,\n", &[("v", Kind::Number)])
-            .unwrap()
-            .numbers("v")
-            .unwrap(),
+        open("t,v\n0,1,\n2,3,\n", &[("v", Kind::Number)]).unwrap().numbers("v").unwrap(),
         [1.0, 3.0]
     );
     let error = open("t,t\n0,1\n", &[("t", Kind::Number)]).unwrap_err();
@@ -131,22 +105,12 @@ fn rows_that_lack_a_wanted_cell_are_told_and_a_last_one_that_is_cut_is_left_out(
     };
     let (rows, warnings) = told("t,v,w\n0,1,a\n1\n2,3,b\n3\n");
     assert_eq!((rows, warnings.len(), warnings[0].0), (4, 1, 2));
-    assert!(
-        warnings[0].1.contains("row 2 after 1 of 3 cells"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].1.contains("row 2 after 1 of 3 cells"), "{warnings:?}");
     let (rows, warnings) = told("t,v,w\n0,19.4,a\n1,1");
     assert_eq!((rows, warnings.len(), warnings[0].0), (1, 1, 1));
-    assert!(
-        warnings[0].1.contains("row, 2, ends after 2 of 3 cells"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].1.contains("row, 2, ends after 2 of 3 cells"), "{warnings:?}");
     // Every wanted cell is there, or the last row is as wide as the one above it.
-    for text in [
-        "t,v,w\n0,1,a\n1,2\n",
-        "t,v,w\n0,1,a\n1,2,b",
-        "t,v,w\n0,1\n1,2",
-    ] {
+    for text in ["t,v,w\n0,1,a\n1,2\n", "t,v,w\n0,1,a\n1,2,b", "t,v,w\n0,1\n1,2"] {
         assert_eq!(told(text), (2, Vec::new()), "{text:?}");
     }
     let error = open("t,v\n0", &[("v", Kind::Number)]).unwrap_err();
@@ -161,10 +125,7 @@ fn a_text_in_another_encoding_or_with_other_line_ends_says_so_with_its_line() {
         found.unwrap_err().to_string()
     };
     let error = refused(b"t,w\n0,a\n1,K\xf6ln\n");
-    assert!(
-        error.contains("line 3 holds the byte f6") && error.contains("UTF-8"),
-        "{error}"
-    );
+    assert!(error.contains("line 3 holds the byte f6") && error.contains("UTF-8"), "{error}");
     let error = refused(b"t,w\r0,a\r1,b\r");
     assert!(error.contains("carriage return alone"), "{error}");
 }
@@ -174,21 +135,13 @@ fn names_become_codes_of_a_sorted_list() {
     let table = open("id\nb\na\n\n2.0\n", &[("id", Kind::Word)]).unwrap();
     let (codes, names) = table.codes("id").unwrap();
     assert_eq!(names, ["2", "a", "b"]);
-    assert_eq!(
-        codes.iter().flatten().copied().collect::<Vec<_>>(),
-        [2, 1, 0]
-    );
+    assert_eq!(codes.iter().flatten().copied().collect::<Vec<_>>(), [2, 1, 0]);
 }
 
 #[test]
 fn parquet_of_other_programs_is_read_whatever_its_types_and_yes_and_no_are_no_speeds() {
     let read = |wanted: &[(&str, Kind)]| {
-        Table::open(
-            Path::new("t.parquet"),
-            foreign_parquet(),
-            Style::default(),
-            wanted,
-        )
+        Table::open(Path::new("t.parquet"), foreign_parquet(), Style::default(), wanted)
     };
     for name in ["i8", "u8", "i16", "u16", "f32", "decimal"] {
         let table = read(&[(name, Kind::Number)]).unwrap();
@@ -196,10 +149,7 @@ fn parquet_of_other_programs_is_read_whatever_its_types_and_yes_and_no_are_no_sp
     }
     let table = read(&[("kind", Kind::Word), ("when", Kind::Word)]).unwrap();
     let word = |text: &str| Some(text.to_owned());
-    assert_eq!(
-        table.words("kind").unwrap(),
-        [word("a"), word("b"), word("a")]
-    );
+    assert_eq!(table.words("kind").unwrap(), [word("a"), word("b"), word("a")]);
     let clock = crate::raw::table::time::Clock {
         unit: crate::mapping::TimeUnit::Iso8601,
         pattern: None,
@@ -214,10 +164,7 @@ fn parquet_of_other_programs_is_read_whatever_its_types_and_yes_and_no_are_no_sp
         assert_eq!(stamps[2], Some(1_562_235_693_300_000_000), "{name}");
     }
     for (name, found) in [
-        (
-            "valid",
-            "column `valid` holds yes and no (bool): expected a finite number",
-        ),
+        ("valid", "column `valid` holds yes and no (bool): expected a finite number"),
         ("when", "`time = \"iso8601\"`"),
         ("when_utc", "`time = \"iso8601\"`"),
         ("day", "column `day` holds times (date)"),

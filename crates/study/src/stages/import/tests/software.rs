@@ -62,11 +62,7 @@ fn limesurveys_codes_name_condition_and_item() {
         ]
     );
     for (from, to, expected) in [
-        (
-            "K = \"calm\"",
-            "C = \"calm\"",
-            "no column has `C`, for which [moments]",
-        ),
+        ("K = \"calm\"", "C = \"calm\"", "no column has `C`, for which [moments]"),
         ("K = \"calm\"\nS", "K", "2 words"),
     ] {
         let result = mapped(LIMESURVEY.as_bytes(), Some(&map.replacen(from, to, 1)));
@@ -85,10 +81,7 @@ fn limesurveys_codes_name_condition_and_item() {
     }
     let none = map.replace("K = \"calm\"\nS = \"sporty\"\n", "");
     let error = mapped(LIMESURVEY.as_bytes(), Some(&none)).unwrap_err();
-    assert!(
-        error.contains("there are `K`, `S`, expected calm, sporty"),
-        "{error}"
-    );
+    assert!(error.contains("there are `K`, `S`, expected calm, sporty"), "{error}");
 }
 
 #[test]
@@ -118,25 +111,15 @@ fn limesurveys_proposal_abstains_where_a_letter_may_be_a_condition() {
             && text.contains("\n# K = \"?\"\n# S = \"?\"\n"),
         "{text}"
     );
-    let sure = text
-        .lines()
-        .filter(|line| !line.starts_with('#') && !line.is_empty());
+    let sure = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty());
     assert_eq!(sure.count(), 0, "{text}");
     // Filled in, its comments are the map.
-    let map = text
-        .replace("K = \"?\"", "K = \"calm\"")
-        .replace("S = \"?\"", "S = \"sporty\"");
+    let map = text.replace("K = \"?\"", "K = \"calm\"").replace("S = \"?\"", "S = \"sporty\"");
     let meant = |line: &&str| {
-        ["# [", "# K", "# S", "# column = \"{"]
-            .iter()
-            .any(|start| line.starts_with(start))
+        ["# [", "# K", "# S", "# column = \"{"].iter().any(|start| line.starts_with(start))
             && !line.contains("[files]")
     };
-    let map: String = map
-        .lines()
-        .filter(meant)
-        .map(|line| line[2..].to_owned() + "\n")
-        .collect();
+    let map: String = map.lines().filter(meant).map(|line| line[2..].to_owned() + "\n").collect();
     let answers = LIMESURVEY.replace("TLX", "calm");
     let (_, table) = mapped(answers.as_bytes(), Some(&map)).unwrap();
     assert!(table.contains("P01,sporty,calm,1,4"), "{table}");
@@ -176,11 +159,8 @@ fn soscis_codes_are_read_from_utf_16_and_its_questionnaire_says_when() {
     assert_eq!(same, table);
     assert!(warnings[0].contains("Windows-1252"), "{warnings:?}");
     // Two questionnaires of which nothing says when they were answered.
-    let error = mapped(
-        SOSCI.as_bytes(),
-        Some("[scales.calm]\ncolumn = \"CA01_{item}\"\n"),
-    )
-    .unwrap_err();
+    let error =
+        mapped(SOSCI.as_bytes(), Some("[scales.calm]\ncolumn = \"CA01_{item}\"\n")).unwrap_err();
     assert!(
         error.contains("`QUESTNNR` has base, calm, sporty, and `base` is no condition"),
         "{error}"
@@ -206,10 +186,7 @@ fn soscis_questionnaire_says_when_in_a_download_of_one_alone_too() {
     // A word that means nothing: from before the drives, as far as anybody knows, and told.
     let (warnings, table) = mapped(one.as_bytes(), Some(scale)).unwrap();
     assert_eq!(rows(&table)[0], "P01,pre,calm,1,1");
-    assert!(
-        warnings[0].contains("column `QUESTNNR` has `nachK` alone"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].contains("column `QUESTNNR` has `nachK` alone"), "{warnings:?}");
 }
 
 #[test]
@@ -219,15 +196,9 @@ fn every_kind_of_preview_is_nobodys_answer_and_possible_spam_is_told() {
         let (warnings, table) = mapped(text.as_bytes(), Some(BY_NAME)).unwrap();
         (warnings, table.contains("P00,"))
     };
-    for status in [
-        "2",
-        "9",
-        "17",
-        "256",
-        "Survey Preview Spam",
-        "Offline Survey Preview",
-        "Synthetic",
-    ] {
+    for status in
+        ["2", "9", "17", "256", "Survey Preview Spam", "Offline Survey Preview", "Synthetic"]
+    {
         let (warnings, is_there) = with(status);
         assert!(!is_there, "{status}");
         assert_eq!(warnings, ["1 row of previews and tests: left out"]);
@@ -238,10 +209,7 @@ fn every_kind_of_preview_is_nobodys_answer_and_possible_spam_is_told() {
     for status in ["8", "12", "Spam"] {
         let (warnings, is_there) = with(status);
         assert!(is_there, "{status}");
-        assert_eq!(
-            warnings,
-            ["1 row of possible spam by `Status` (row 1): read like the others"]
-        );
+        assert_eq!(warnings, ["1 row of possible spam by `Status` (row 1): read like the others"]);
     }
 }
 
@@ -276,23 +244,12 @@ fn an_export_of_which_the_design_does_not_say_what_wrote_it_is_told_what_it_is()
     let folder = tempfile::tempdir().unwrap();
     let told = |files: &str, answers: &[u8]| {
         let error = refuse_export(&study_of(folder.path(), files, answers)).err()?;
-        Some(format!(
-            "{error}; {}",
-            error.suggestion().unwrap_or_default()
-        ))
+        Some(format!("{error}; {}", error.suggestion().unwrap_or_default()))
     };
     for (answers, title, id) in [
         (OTREE.as_bytes(), "an export of oTree", "otree"),
-        (
-            LIMESURVEY.as_bytes(),
-            "an export of LimeSurvey",
-            "limesurvey",
-        ),
-        (
-            b"[{\"trial_type\": \"survey-likert\"}]",
-            "an export of jsPsych",
-            "jspsych",
-        ),
+        (LIMESURVEY.as_bytes(), "an export of LimeSurvey", "limesurvey"),
+        (b"[{\"trial_type\": \"survey-likert\"}]", "an export of jsPsych", "jspsych"),
         (b"who,calm_1\nP01,1\n", "another table", "wide"),
     ] {
         let error = told("", answers).unwrap();
@@ -302,13 +259,7 @@ fn an_export_of_which_the_design_does_not_say_what_wrote_it_is_told_what_it_is()
         );
         assert_eq!(told(&format!("software = \"{id}\"\n"), answers), None);
     }
-    assert_eq!(
-        told(
-            "",
-            b"participant,moment,scale,item,answer\nP01,pre,calm,1,1\n"
-        ),
-        None
-    );
+    assert_eq!(told("", b"participant,moment,scale,item,answer\nP01,pre,calm,1,1\n"), None);
 }
 
 #[test]
@@ -317,10 +268,7 @@ fn whose_rows_an_export_has_is_known_in_every_file() {
     let utf_16: Vec<u8> = SOSCI.encode_utf16().flat_map(u16::to_be_bytes).collect();
     let book = workbook(&[(
         "Sheet1",
-        &[
-            &["token", "id", "submitdate", "lastpage"],
-            &["P01", "1", "2026", "3"],
-        ],
+        &[&["token", "id", "submitdate", "lastpage"], &["P01", "1", "2026", "3"]],
     )]);
     for (software, answers, column) in [
         ("qualtrics", QUALTRICS.as_bytes(), "ExternalReference"),
@@ -328,19 +276,9 @@ fn whose_rows_an_export_has_is_known_in_every_file() {
         ("limesurvey", &book, "token"),
         ("otree", OTREE.as_bytes(), "participant.label"),
     ] {
-        let study = study_of(
-            folder.path(),
-            &format!("software = \"{software}\"\n"),
-            answers,
-        );
+        let study = study_of(folder.path(), &format!("software = \"{software}\"\n"), answers);
         assert_eq!(column_of_people(&study).unwrap().as_deref(), Some(column));
-        assert!(
-            has_row_of(&study, &"P01".to_owned().try_into().unwrap()).unwrap(),
-            "{software}"
-        );
-        assert!(
-            !has_row_of(&study, &"P09".to_owned().try_into().unwrap()).unwrap(),
-            "{software}"
-        );
+        assert!(has_row_of(&study, &"P01".to_owned().try_into().unwrap()).unwrap(), "{software}");
+        assert!(!has_row_of(&study, &"P09".to_owned().try_into().unwrap()).unwrap(), "{software}");
     }
 }

@@ -49,11 +49,7 @@ fn faults_name_participant_scale_and_item() {
             "P01,0,1,9",
             "participant P01 (pre), scale `calm`, item 2 (row 1, `intro.1.player.calm_2`): found `9`, expected a whole number from 1 to 7",
         ),
-        (
-            "cautious,5,5",
-            "cautious,5,five",
-            "participant P02 (cautious), scale `calm`, item 2",
-        ),
+        ("cautious,5,5", "cautious,5,five", "participant P02 (cautious), scale `calm`, item 2"),
         (
             "x2,P02",
             "x2,P01",
@@ -76,14 +72,9 @@ fn faults_name_participant_scale_and_item() {
         assert!(error.contains(said), "{error}");
     }
     let twice = OTREE
-        .replace(
-            "intro.1.player.calm_1",
-            "drive.2.player.condition,drive.2.player.calm_1",
-        )
+        .replace("intro.1.player.calm_1", "drive.2.player.condition,drive.2.player.calm_1")
         .replace("intro.1", "drive.2");
-    let twice = twice
-        .replace("P01,0,1", "P01,0,mimic,1")
-        .replace("P02,0,7", "P02,0,mimic,7");
+    let twice = twice.replace("P01,0,1", "P01,0,mimic,1").replace("P02,0,7", "P02,0,mimic,7");
     let error = run(Software::Otree, &twice, None).unwrap_err();
     assert!(
         error.contains("P01 (mimic)")
@@ -92,10 +83,7 @@ fn faults_name_participant_scale_and_item() {
         "{error}"
     );
     let error = run(Software::Otree, "participant.label,a\nP01,1\n", None).unwrap_err();
-    assert!(
-        error.contains("holds no answers") && error.contains("calm_{item}"),
-        "{error}"
-    );
+    assert!(error.contains("holds no answers") && error.contains("calm_{item}"), "{error}");
 }
 
 #[test]
@@ -142,11 +130,8 @@ fn jspsych_trials_become_the_same_table_with_times() {
         )
     };
     let named = likert("P01", "", r#""calm_1": 0, "calm_2": 6, "calm_3": null"#);
-    let numbered = likert(
-        "P01",
-        r#", "scale": "calm", "condition": "mimic""#,
-        r#""Q0": 1, "Q1": 2, "Q2": 3"#,
-    );
+    let numbered =
+        likert("P01", r#", "scale": "calm", "condition": "mimic""#, r#""Q0": 1, "Q1": 2, "Q2": 3"#);
     let other = r#"{"trial_type": "survey-text", "response": {"Q0": "no remark"}}"#;
     let text = format!("[{named}, {numbered}, {other}]\n");
     let (warnings, table) = run(Software::Jspsych, &text, None).unwrap();
@@ -159,10 +144,7 @@ fn jspsych_trials_become_the_same_table_with_times() {
     // A condition that the design does not know is left out, counted and named.
     let unknown = text.replace("\"mimic\"", "\"x\"");
     let (warnings, table) = run(Software::Jspsych, &unknown, None).unwrap();
-    assert!(
-        warnings[0].contains("3 answers left out: condition `x`"),
-        "{warnings:?}"
-    );
+    assert!(warnings[0].contains("3 answers left out: condition `x`"), "{warnings:?}");
     assert_eq!(table.lines().count(), 4);
     // Several sessions: one array each, one after the other or in an array.
     let second = text.replace("P01", "P02");
@@ -177,11 +159,7 @@ fn jspsych_trials_become_the_same_table_with_times() {
             "participant P01 (pre), scale `calm`, item 2 (session 1, trial 1, `calm_2`): found `7`",
         ),
         ("\"calm_2\": 6", "\"calm_2\": \"very\"", "found `very`"),
-        (
-            "\"condition\": \"mimic\"",
-            "\"nothing\": 0",
-            "answered twice",
-        ),
+        ("\"condition\": \"mimic\"", "\"nothing\": 0", "answered twice"),
         ("\"subject\"", "\"sbject\"", "whose"),
         ("]\n", "", "not JSON"),
     ] {
@@ -235,10 +213,7 @@ fn a_proposal_counts_from_zero_lists_words_and_abstains_where_several_columns_fi
         "{text}"
     );
     let text = suggest(table("1,9,1").as_bytes());
-    assert!(
-        text.contains("no columns numbered 1 to 3 have such answers"),
-        "{text}"
-    );
+    assert!(text.contains("no columns numbered 1 to 3 have such answers"), "{text}");
     let other = table("1,2,3").replace("calm_a", "q");
     let text = suggest(other.as_bytes());
     assert!(
@@ -289,10 +264,7 @@ fn a_proposal_is_written_over_a_map_that_is_not_filled_in_alone() {
     assert!(!std::fs::read_to_string(&out).unwrap().contains("Data"));
     std::fs::write(&out, "# mine\nparticipant = \"VP\"\n").unwrap();
     let error = propose().unwrap_err();
-    assert!(
-        error.to_string().contains("is filled in already"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("is filled in already"), "{error}");
     assert!(error.suggestion().unwrap().contains("--out"));
     assert!(std::fs::read_to_string(&out).unwrap().contains("VP"));
 }
@@ -309,10 +281,7 @@ fn a_pattern_that_no_column_has_is_told_from_a_scale_that_nobody_answered() {
     };
     let bold = "[scales.bold]\ncolumn = \"bold_{item}\"\n";
     let answered = told(bold);
-    assert!(
-        answered.contains("scale `bold`: nobody answered it (bold_{item})"),
-        "{answered}"
-    );
+    assert!(answered.contains("scale `bold`: nobody answered it (bold_{item})"), "{answered}");
     let misspelt = told(&bold.replace("bold_", "bald_"));
     assert!(
         misspelt.contains(
@@ -327,10 +296,7 @@ fn rows_that_end_early_are_counted_and_a_row_of_nobody_is_refused_with_its_colum
     let head = "participant,condition,calm_1,calm_2,calm_3\n";
     let whole = format!("{head}P01,sporty,1,2,\n\nP02,sporty,1,\"2\n\",\n");
     let (warnings, _) = mapped(whole.as_bytes(), None).unwrap();
-    assert!(
-        !warnings.iter().any(|w| w.contains("early")),
-        "{warnings:?}"
-    );
+    assert!(!warnings.iter().any(|w| w.contains("early")), "{warnings:?}");
     let cut = format!("{head}P01,sporty,1,2\n\nP02,sporty,1\nP03,calm,1,2,3\n");
     let (warnings, table) = mapped(cut.as_bytes(), None).unwrap();
     assert_eq!(
@@ -353,19 +319,8 @@ fn a_workbook_is_read_by_the_name_of_its_sheet() {
         &["P01", "sporty", "1", "2", ""],
     ];
     let (_, table) = mapped(&workbook(&[("Sheet1", answers)]), None).unwrap();
-    assert_eq!(
-        rows(&table),
-        [
-            "P01,sporty,calm,1,1",
-            "P01,sporty,calm,2,2",
-            "P01,sporty,calm,3,"
-        ]
-    );
-    let two = workbook(&[
-        ("Notes", &[&["written by hand"]]),
-        ("Data", answers),
-        ("Empty", &[]),
-    ]);
+    assert_eq!(rows(&table), ["P01,sporty,calm,1,1", "P01,sporty,calm,2,2", "P01,sporty,calm,3,"]);
+    let two = workbook(&[("Notes", &[&["written by hand"]]), ("Data", answers), ("Empty", &[])]);
     let error = mapped(&two, None).unwrap_err();
     assert!(
         error.contains("has 2 sheets with something in them")
@@ -375,15 +330,9 @@ fn a_workbook_is_read_by_the_name_of_its_sheet() {
     let (_, same) = mapped(&two, Some("sheet = \"Data\"\n")).unwrap();
     assert_eq!(same, table);
     let error = mapped(&two, Some("sheet = \"Date\"\n")).unwrap_err();
-    assert!(
-        error.contains("has no sheet `Date`; its sheets are Notes, Data, Empty"),
-        "{error}"
-    );
+    assert!(error.contains("has no sheet `Date`; its sheets are Notes, Data, Empty"), "{error}");
     let error = mapped(b"PK\x03\x04 and nothing else", None).unwrap_err();
-    assert!(
-        error.contains("is no workbook (.xlsx) that can be read"),
-        "{error}"
-    );
+    assert!(error.contains("is no workbook (.xlsx) that can be read"), "{error}");
     let error = mapped(QUALTRICS.as_bytes(), Some("sheet = \"Data\"\n")).unwrap_err();
     assert!(error.contains("it is no workbook"), "{error}");
     // The three heads of Qualtrics stand in its workbooks too.
@@ -400,45 +349,24 @@ fn a_workbook_is_read_by_the_name_of_its_sheet() {
     ];
     let lines: Vec<&[&str]> = lines.iter().map(Vec::as_slice).collect();
     let (_, table) = mapped(&workbook(&[("Sheet1", &lines)]), Some(BY_NAME)).unwrap();
-    assert_eq!(
-        rows(&table),
-        [
-            "R_1,calm,calm,1,7",
-            "R_1,calm,calm,2,6",
-            "R_1,calm,calm,3,5"
-        ]
-    );
+    assert_eq!(rows(&table), ["R_1,calm,calm,1,7", "R_1,calm,calm,2,6", "R_1,calm,calm,3,5"]);
 }
 
 #[test]
 fn a_column_whose_name_stands_twice_is_refused() {
-    let error = mapped(
-        b"participant,calm_1,calm_2,calm_3,calm_3\nP01,1,2,3,4\n",
-        None,
-    )
-    .unwrap_err();
-    assert!(
-        error.contains("both `calm_3` and `calm_3 (column 5)` hold it"),
-        "{error}"
-    );
+    let error =
+        mapped(b"participant,calm_1,calm_2,calm_3,calm_3\nP01,1,2,3,4\n", None).unwrap_err();
+    assert!(error.contains("both `calm_3` and `calm_3 (column 5)` hold it"), "{error}");
 }
 
 #[test]
 fn a_dot_in_the_name_of_a_column_is_read_by_a_pattern_that_has_it() {
-    let three = |name: &str| {
-        [1, 2, 3]
-            .map(|item| name.replace('#', &item.to_string()))
-            .join(",")
-    };
+    let three = |name: &str| [1, 2, 3].map(|item| name.replace('#', &item.to_string())).join(",");
     for (name, pattern, moment) in [
         ("calm.#", "calm.{item}", "pre"),
         ("calm_#.sporty", "calm_{item}.{condition}", "sporty"),
         ("sporty.calm_#", "{condition}.calm_{item}", "sporty"),
-        (
-            "rating_sporty.1.player.calm_#",
-            "rating_{condition}.1.player.calm_{item}",
-            "sporty",
-        ),
+        ("rating_sporty.1.player.calm_#", "rating_{condition}.1.player.calm_{item}", "sporty"),
     ] {
         let table = format!("participant,{}\nP01,1,2,3\n", three(name));
         let map = format!("[scales.calm]\ncolumn = \"{pattern}\"\n");
@@ -484,10 +412,7 @@ fn a_page_that_is_called_like_a_condition_is_told_where_nothing_says_when() {
         .map(|(a, b)| format!("{a},{}", b.trim_start_matches("P01,")))
         .collect();
     let error = mapped(both.join("\n").as_bytes(), None).unwrap_err();
-    assert!(
-        error.contains("answered twice") && error.contains("{condition}"),
-        "{error}"
-    );
+    assert!(error.contains("answered twice") && error.contains("{condition}"), "{error}");
 }
 
 #[test]
@@ -550,10 +475,7 @@ fn whose_answers_about_an_unknown_condition_were_left_out_is_listed() {
         (done.summary, std::fs::read_to_string(list).unwrap())
     };
     let (summary, list) = listed(&OTREE.replace("cautious", "kautious"));
-    assert!(
-        summary.contains(&"3 answers left out by unknown condition".to_owned()),
-        "{summary:?}"
-    );
+    assert!(summary.contains(&"3 answers left out by unknown condition".to_owned()), "{summary:?}");
     assert_eq!(list.lines().count(), 2, "{list}");
     assert!(
         list.contains("P02,answers (kautious),")
@@ -565,10 +487,7 @@ fn whose_answers_about_an_unknown_condition_were_left_out_is_listed() {
     // Where nothing else was answered, it is said why there is nothing.
     let jam = b"participant,condition,calm_1,calm_2,calm_3\nP01,jam,1,2,3\n";
     let error = mapped(jam, None).unwrap_err();
-    assert!(
-        error.contains("3 answers left out by unknown condition"),
-        "{error}"
-    );
+    assert!(error.contains("3 answers left out by unknown condition"), "{error}");
 }
 
 #[test]
@@ -599,11 +518,7 @@ fn a_jspsych_trial_of_an_unknown_scale_and_a_sheet_without_some_items_are_told()
         let text = format!("[{}, {second}]", trial("mimic", "calm", whole));
         run(Software::Jspsych, &text, None).map(|(warnings, _)| warnings)
     };
-    assert_eq!(
-        go(trial("cautious", "calm", whole)),
-        Ok(Vec::new()),
-        "nothing to tell"
-    );
+    assert_eq!(go(trial("cautious", "calm", whole)), Ok(Vec::new()), "nothing to tell");
     assert_eq!(
         go(trial("cautious", "clam", whole)).unwrap(),
         ["trial 2 of session 1: its `scale` is `clam`, which is none of the study's: not read"]
@@ -615,10 +530,7 @@ fn a_jspsych_trial_of_an_unknown_scale_and_a_sheet_without_some_items_are_told()
     );
     let alone = format!("[{}]", trial("mimic", "calm", short));
     let error = run(Software::Jspsych, &alone, None).unwrap_err();
-    assert!(
-        error.contains("scale `calm`: no trial asks items 3"),
-        "{error}"
-    );
+    assert!(error.contains("scale `calm`: no trial asks items 3"), "{error}");
 }
 
 #[test]
@@ -635,10 +547,7 @@ fn a_formula_of_which_a_workbook_has_no_value_is_no_answer_in_words() {
         Ok::<_, String>(std::fs::read_to_string(options.out.unwrap()).unwrap())
     };
     let error = read("=A2").unwrap_err();
-    assert!(
-        error.contains("item 1 (row 1, `why_1`): found a formula"),
-        "{error}"
-    );
+    assert!(error.contains("item 1 (row 1, `why_1`): found a formula"), "{error}");
     for (given, said) in [("calm", ",calm"), ("=1+2#3", ",3")] {
         let table = read(given).unwrap();
         assert!(rows(&table)[0].contains(said), "{table}");
@@ -649,14 +558,7 @@ fn a_formula_of_which_a_workbook_has_no_value_is_no_answer_in_words() {
 fn a_formula_of_which_a_workbook_has_no_value_is_no_missing_answer() {
     let book = |last: &str| {
         let rows: [&[&str]; 2] = [
-            &[
-                "participant",
-                "condition",
-                "calm_1",
-                "calm_2",
-                "calm_3",
-                "sum",
-            ],
+            &["participant", "condition", "calm_1", "calm_2", "calm_3", "sum"],
             &["P01", "sporty", "1", "2", last, "=C2+D2"],
         ];
         mapped(&workbook(&[("Sheet1", &rows)]), None)
@@ -694,10 +596,7 @@ fn a_word_for_no_answer_is_no_text_and_an_answer_between_two_steps_is_told_by_th
     assert!(summary.starts_with("2 answers of"), "{summary}");
     assert!(table.contains("no traffic"), "{table}");
     let error = go("7", "").unwrap_err();
-    assert!(
-        error.contains("found `7`, expected a whole number from 0 to 100 by 5"),
-        "{error}"
-    );
+    assert!(error.contains("found `7`, expected a whole number from 0 to 100 by 5"), "{error}");
 }
 
 #[test]

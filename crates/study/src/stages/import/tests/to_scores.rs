@@ -40,9 +40,8 @@ fn imported(export: &str, map: Option<&str>, design: &str) -> (String, [Vec<Stri
 /// The names of the columns of all three times, as `name` has them of a time and an item.
 fn columns(name: impl Fn(&str, u32) -> String) -> String {
     let times = ["pre", "sporty", "post"].iter();
-    let names: Vec<String> = times
-        .flat_map(|time| [1, 2, 3].map(|item| name(time, item)))
-        .collect();
+    let names: Vec<String> =
+        times.flat_map(|time| [1, 2, 3].map(|item| name(time, item))).collect();
     names.join(",")
 }
 
@@ -69,10 +68,7 @@ fn what_is_asked_at_the_end_is_scored_as_that_whatever_software_wrote_it() {
     let wide = format!("participant,{named}\nP01,{answers}\n");
     for (export, map) in [
         (qualtrics.as_str(), Some(BY_NAME)),
-        (
-            &limesurvey,
-            Some("[scales.calm]\ncolumn = \"{moment}calm[SQ{item}]\"\n"),
-        ),
+        (&limesurvey, Some("[scales.calm]\ncolumn = \"{moment}calm[SQ{item}]\"\n")),
         (
             sosci,
             Some(
@@ -117,11 +113,8 @@ fn probes_are_scored_from_the_table_and_refused_of_an_export_which_has_no_time_o
         .replace("reversed = [2]\n", "")
         .replace("[1, 2, 3]", "[1]");
     std::fs::write(folder.path().join("scales/misc.toml"), one_item).unwrap();
-    let sheet = |moment: &str| {
-        [1, 2, 3]
-            .map(|item| format!("P01,{moment},calm,{item},4,\n"))
-            .concat()
-    };
+    let sheet =
+        |moment: &str| [1, 2, 3].map(|item| format!("P01,{moment},calm,{item},4,\n")).concat();
     let table = folder.path().join("answers.csv");
     let text = format!(
         "participant,moment,condition,scale,item,answer,at_s\n{}{}P01,probe,sporty,misc,1,3,60\n{}",
@@ -133,11 +126,9 @@ fn probes_are_scored_from_the_table_and_refused_of_an_export_which_has_no_time_o
     let [all, after] = scored(&table, &import.design.unwrap());
     assert_eq!(all, ["pre", "sporty", "post", "probe:sporty"]);
     assert_eq!(after, ["sporty", "probe:sporty"]);
-    let error = mapped(
-        b"participant,condition,calm_1,calm_2,calm_3\nP01,probe:sporty,1,2,3\n",
-        None,
-    )
-    .unwrap_err();
+    let error =
+        mapped(b"participant,condition,calm_1,calm_2,calm_3\nP01,probe:sporty,1,2,3\n", None)
+            .unwrap_err();
     assert!(
         error.contains("row 1, `calm_1` (participant P01): `probe:sporty` is a probe")
             && error.contains("at_s"),

@@ -50,10 +50,7 @@ pub(super) fn section_car(
     let sources = sources.map(read_sources).transpose()?;
     let synthetic = population_table(&scenario.settings().drivers, PEOPLE, seed);
     let texts = page.texts.with(&BTreeMap::from([("people", PEOPLE)]));
-    let table = texts.table(
-        "population",
-        population(&synthetic, sources.as_ref(), page)?,
-    )?;
+    let table = texts.table("population", population(&synthetic, sources.as_ref(), page)?)?;
     Ok(texts.section("car", Vec::new(), vec![table])?)
 }
 
@@ -121,10 +118,6 @@ fn population(
             tenths: None,
         });
     }
-    rows.sort_by_key(|row| {
-        quantities
-            .iter()
-            .position(|quantity| *quantity == row.quantity)
-    });
+    rows.sort_by_key(|row| quantities.iter().position(|quantity| *quantity == row.quantity));
     Ok(rows)
 }

@@ -100,9 +100,7 @@ struct Step {
 
 /// The longest step; `None` where nothing is known of it.
 fn step_of_the_dial(conditions: &[ConditionRow]) -> Option<Step> {
-    let steps = conditions
-        .iter()
-        .filter_map(|c| Some((c.moved_points?.abs(), c.moved_points_sd?)));
+    let steps = conditions.iter().filter_map(|c| Some((c.moved_points?.abs(), c.moved_points_sd?)));
     let (points, sd) = steps.max_by(|a, b| a.0.total_cmp(&b.0))?;
     (points > 0.0).then(|| Step {
         points,
@@ -144,10 +142,7 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
     };
     let (trained, tested) = (trained(folder)?, read_embeddings(&tested)?);
     let person = |row: &EmbeddingRow| {
-        let mine = run
-            .conditions
-            .iter()
-            .filter(|c| c.participant == row.participant);
+        let mine = run.conditions.iter().filter(|c| c.participant == row.participant);
         let placed = mine.filter_map(|c| Some((c.condition, solid(c.embedding.coordinates())?)));
         Some(SpacePerson {
             own: drive(row, row.participant.to_string())?,
@@ -162,22 +157,14 @@ pub(super) fn live(folder: &Path, run: &Run) -> Result<Option<Live>, StudyError>
         })
     });
     let space = StyleSpace {
-        drives: trained
-            .iter()
-            .filter_map(|row| drive(row, row.drive.to_string()))
-            .collect(),
-        people: first_by_hand(&tested, run.design.baseline_id())
-            .filter_map(person)
-            .collect(),
+        drives: trained.iter().filter_map(|row| drive(row, row.drive.to_string())).collect(),
+        people: first_by_hand(&tested, run.design.baseline_id()).filter_map(person).collect(),
         gradient,
         ellipse,
         score: (low, high, run.style_label().to_owned()),
         dial: along_the_dial(run),
     };
-    Ok(Some(Live {
-        below: "embedding-space".to_owned(),
-        content: LiveContent::StyleSpace(space),
-    }))
+    Ok(Some(Live { below: "embedding-space".to_owned(), content: LiveContent::StyleSpace(space) }))
 }
 
 /// Each person’s first drive of the baseline in the first session: that of a later one sets no condition.
@@ -193,12 +180,8 @@ fn first_by_hand(
 
 /// The conditions on the dial, from the low end to the high one.
 fn along_the_dial(run: &Run) -> Vec<ConditionId> {
-    let mut dials: Vec<(f64, ConditionId)> = run
-        .design
-        .conditions()
-        .iter()
-        .filter_map(|c| Some((c.dial()?, c.id)))
-        .collect();
+    let mut dials: Vec<(f64, ConditionId)> =
+        run.design.conditions().iter().filter_map(|c| Some((c.dial()?, c.id))).collect();
     dials.sort_by(|a, b| a.0.total_cmp(&b.0));
     dials.into_iter().map(|(_, id)| id).collect()
 }
@@ -209,9 +192,8 @@ pub(super) fn shown_participant<'a>(folder: &Path, run: &'a Run) -> Option<&'a C
     let (low, high) = run.score_range().unwrap_or_default();
     let own_style = run.design.own_style();
     let rows = run.conditions.iter();
-    let rows: Vec<&ConditionRow> = rows
-        .filter(|c| own_style.is_none_or(|id| c.condition == id))
-        .collect();
+    let rows: Vec<&ConditionRow> =
+        rows.filter(|c| own_style.is_none_or(|id| c.condition == id)).collect();
     let logged = |c: &&&ConditionRow| av_log(folder, &c.participant, c.condition).is_file();
     let any = rows.iter().any(|c| logged(&c));
     let rows = rows.into_iter().filter(|c| !any || logged(&c));
@@ -229,10 +211,8 @@ fn most_placed<'a>(
         let theirs = all.iter().filter(|r| r.participant == row.participant);
         theirs.count()
     };
-    let from_middle = |row: &ConditionRow| {
-        row.adb_hat
-            .map_or(f64::INFINITY, |hat| (hat - middle).abs())
-    };
+    let from_middle =
+        |row: &ConditionRow| row.adb_hat.map_or(f64::INFINITY, |hat| (hat - middle).abs());
     rows.min_by(|a, b| {
         let most = placed(b).cmp(&placed(a));
         most.then(from_middle(a).total_cmp(&from_middle(b)))
@@ -252,10 +232,7 @@ fn example(
     let Some(shown) = shown_participant(folder, run) else {
         return Ok(None);
     };
-    let mine = run
-        .conditions
-        .iter()
-        .filter(|c| c.participant == shown.participant);
+    let mine = run.conditions.iter().filter(|c| c.participant == shown.participant);
     let mut ellipse = Vec::new();
     if run.design.across().is_some() {
         let round = PerpendicularEllipse::of(model)?;
@@ -267,9 +244,7 @@ fn example(
     }
     Ok(Some(ExampleConditions {
         participant: shown.participant.to_string(),
-        conditions: mine
-            .map(|c| (c.condition, c.embedding.coordinates().to_vec()))
-            .collect(),
+        conditions: mine.map(|c| (c.condition, c.embedding.coordinates().to_vec())).collect(),
         ellipse,
     }))
 }

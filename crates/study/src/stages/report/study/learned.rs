@@ -25,11 +25,7 @@ pub(super) fn section_model(
     };
     let Some(networks) = &training.networks else {
         let heads = page.texts.table("heads", &training.heads)?;
-        return Ok(Some(page.texts.section(
-            "heads",
-            Vec::new(),
-            vec![heads],
-        )?));
+        return Ok(Some(page.texts.section("heads", Vec::new(), vec![heads])?));
     };
     let mut figures: Vec<Figure> = architecture_of(model, run)?.into_iter().collect();
     figures.extend(training_of(training, networks, run)?);
@@ -77,16 +73,10 @@ fn training_of(
         ("*L*_{5} mutual information", |l| l.mutual_information),
     ];
     // The run that kept people back shows both curves; the one that made the model has learned from all.
-    let epochs = networks
-        .selection
-        .as_ref()
-        .map_or(&networks.epochs, |s| &s.epochs);
+    let epochs = networks.selection.as_ref().map_or(&networks.epochs, |s| &s.epochs);
     let term = |(title, loss): (&str, Loss)| {
         let train: Option<Vec<f64>> = epochs.iter().map(|e| loss(&e.losses)).collect();
-        let kept: Option<Vec<f64>> = epochs
-            .iter()
-            .map(|e| loss(e.validation.as_ref()?))
-            .collect();
+        let kept: Option<Vec<f64>> = epochs.iter().map(|e| loss(e.validation.as_ref()?)).collect();
         Some(LossTerm {
             title: title.to_owned(),
             train: train?,
@@ -140,11 +130,7 @@ fn training_of(
         })
         .collect();
     if !panels.is_empty() {
-        let input = Residuals {
-            panels,
-            drives,
-            held_out,
-        };
+        let input = Residuals { panels, drives, held_out };
         figures.push(residuals(&input, &run.context)?);
     }
     Ok(figures)

@@ -19,12 +19,7 @@ use std::{
 };
 
 /// Rules that leave a drive out for who drove it, or by its own name.
-const BY_NAME: [&str; 4] = [
-    "exclude.people",
-    "exclude.drives",
-    "forgotten",
-    "unknown participant",
-];
+const BY_NAME: [&str; 4] = ["exclude.people", "exclude.drives", "forgotten", "unknown participant"];
 
 /// What single drives are left out of that the design lets in.
 pub(super) const WITH_WHAT_WAS_SAID: &str = "everything, with what was said of it";
@@ -117,10 +112,7 @@ impl Nameless {
                 ..row
             }
         };
-        Missing {
-            rows: missing.rows.into_iter().map(hidden).collect(),
-            ..missing
-        }
+        Missing { rows: missing.rows.into_iter().map(hidden).collect(), ..missing }
     }
 
     /// What was left out: of those who are not named how many, by what from which and why.
@@ -128,19 +120,14 @@ impl Nameless {
         let mut named = Vec::new();
         let mut counted: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
         for row in rows {
-            let (hidden, shown): (Vec<&str>, Vec<&str>) = row
-                .who
-                .split(BETWEEN)
-                .partition(|who| self.hides(who, &row.what));
+            let (hidden, shown): (Vec<&str>, Vec<&str>) =
+                row.who.split(BETWEEN).partition(|who| self.hides(who, &row.what));
             if !hidden.is_empty() {
                 let why = without(&row.why, hidden.iter().copied());
                 let why = without(&why, self.ids.iter().map(String::as_str));
                 let why = self.without_anybody(&why);
                 let who = hidden.iter().map(|who| (*who).to_owned());
-                counted
-                    .entry((row.what.clone(), why))
-                    .or_default()
-                    .extend(who);
+                counted.entry((row.what.clone(), why)).or_default().extend(who);
             }
             if !shown.is_empty() {
                 let who = shown.join(BETWEEN);
@@ -157,11 +144,7 @@ impl Nameless {
 
     /// Takes every id out of the reasons that somebody typed.
     pub(super) fn clear(&self, flow: &mut Flow) {
-        let lists = [
-            &mut flow.left_out,
-            &mut flow.not_learned_from,
-            &mut flow.drives,
-        ];
+        let lists = [&mut flow.left_out, &mut flow.not_learned_from, &mut flow.drives];
         let typed = [Rule::People, Rule::Drives, Rule::Stopped];
         for row in lists.into_iter().flatten() {
             if typed.contains(&row.rule) {
@@ -214,9 +197,7 @@ mod tests {
         let nameless = Nameless {
             ids: vec!["S2P05".to_owned()],
             rides: BTreeSet::new(),
-            known: ["S2P08", "S2P08-own", "12"]
-                .map(|id| ParticipantId::new(id).unwrap())
-                .into(),
+            known: ["S2P08", "S2P08-own", "12"].map(|id| ParticipantId::new(id).unwrap()).into(),
         };
         let row = |rule: Rule, why: &str| LeftOutFor {
             rule,
@@ -250,11 +231,7 @@ mod tests {
             what: what.to_owned(),
             why: "withdrew".to_owned(),
         };
-        let rows = [
-            row("P1-calm", "ingest"),
-            row("P1-own", "ingest"),
-            row("P1", "everything"),
-        ];
+        let rows = [row("P1-calm", "ingest"), row("P1-own", "ingest"), row("P1", "everything")];
         let counted = nameless.counted(rows);
         let who: Vec<&str> = counted.iter().map(|row| row.who.as_str()).collect();
         assert_eq!(who, ["1 person, not named", "2 drives, not named"]);
@@ -291,11 +268,7 @@ mod tests {
             people: 1,
             counts: Vec::new(),
         });
-        let reasons: Vec<_> = missing
-            .rows
-            .iter()
-            .map(|row| row.drive.as_deref())
-            .collect();
+        let reasons: Vec<_> = missing.rows.iter().map(|row| row.drive.as_deref()).collect();
         assert_eq!(reasons, [Some("left out"), Some(why)]);
     }
 }

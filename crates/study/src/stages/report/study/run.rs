@@ -52,22 +52,14 @@ impl Run {
             if_there(&summary, |path| read_json(path).map(Some))?;
         let context = match (&training, analysis.synthetic) {
             (Some(training), true) => Context::synthetic(training.seed),
-            (None, true) => Context {
-                synthetic: true,
-                ..Context::real()
-            },
-            (_, false) => Context {
-                scripted: analysis.scripted,
-                ..Context::real()
-            },
+            (None, true) => Context { synthetic: true, ..Context::real() },
+            (_, false) => Context { scripted: analysis.scripted, ..Context::real() },
         };
         let conditions = if_there(&conditions, read_conditions)?;
         let embeddings = if_there(&folder.join("embeddings.csv"), read_embeddings)?;
         let turned = turned_for(&embeddings, &conditions, design);
-        let context = Context {
-            beyond: turned.values().filter(|turned| **turned).count(),
-            ..context
-        };
+        let context =
+            Context { beyond: turned.values().filter(|turned| **turned).count(), ..context };
         Ok(Self {
             scales: read_scales(&study.resolve(&design.files().scales))?,
             model: if_there(&model, |path| read_model(path).map(Some))?,

@@ -72,17 +72,9 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
     let mut left_out = Vec::new();
     for list in lists(folder) {
         let drives = list.parent().unwrap_or(folder);
-        let stage = if drives.starts_with(folder.join("av")) {
-            "simulate"
-        } else {
-            "ingest"
-        };
+        let stage = if drives.starts_with(folder.join("av")) { "simulate" } else { "ingest" };
         left_out.extend(exclusions(drives)?.into_iter().map(|row| Exclusion {
-            what: if row.is_kept() {
-                Exclusion::NOTHING.to_owned()
-            } else {
-                stage.to_owned()
-            },
+            what: if row.is_kept() { Exclusion::NOTHING.to_owned() } else { stage.to_owned() },
             // A log that could not be ingested is no drive, and has its own name alone.
             who: Some(row.drive).filter(|d| !d.is_empty()).unwrap_or(row.log),
             why: row.what,
@@ -94,20 +86,15 @@ pub(super) fn listed_exclusions(folder: &Path) -> Result<Vec<Exclusion>, StudyEr
         let blank = blank.then(|| "shows no habit: its driver is taken as anybody".to_owned());
         blank.or_else(|| row.beyond_why.as_ref().map(beyond_in_words))
     };
-    let personalised = rows
-        .iter()
-        .filter_map(|row| Some((row.drive.to_string(), why(row)?)));
+    let personalised = rows.iter().filter_map(|row| Some((row.drive.to_string(), why(row)?)));
     let personalised: BTreeSet<(String, String)> = personalised.collect();
     left_out.extend(personalised.into_iter().map(|(who, why)| Exclusion {
         who,
         what: "personalize".to_owned(),
         why,
     }));
-    for file in [
-        "answers_exclusions.csv",
-        "scores_exclusions.csv",
-        "rating_scores_exclusions.csv",
-    ] {
+    for file in ["answers_exclusions.csv", "scores_exclusions.csv", "rating_scores_exclusions.csv"]
+    {
         let listed: Vec<Exclusion> = if_there(&folder.join(file), read_rows)?;
         left_out.extend(listed);
     }

@@ -14,10 +14,7 @@ pub(super) fn setup(
     minutes: Option<f64>,
     scenario: Option<&Scenario>,
 ) -> Result<Vec<(String, f64)>, StudyError> {
-    let moved = run
-        .conditions
-        .iter()
-        .filter_map(|c| Some(c.moved_points?.abs()));
+    let moved = run.conditions.iter().filter_map(|c| Some(c.moved_points?.abs()));
     let conditions: BTreeSet<ConditionId> = run.conditions.iter().map(|c| c.condition).collect();
     let mut values: Vec<(String, f64)> = Vec::new();
     let mut set = |key: &str, value: Option<f64>| {
@@ -36,14 +33,9 @@ pub(super) fn setup(
     set("model.embedding_size", size);
     set("steer.across_sd", across_sd(run)?);
     if let Some(leads) = scenario.map(|s| &s.settings().leads) {
-        let factors = leads
-            .factors_of_target
-            .iter()
-            .chain(&leads.factors_of_posted);
+        let factors = leads.factors_of_target.iter().chain(&leads.factors_of_posted);
         values.extend(
-            factors
-                .enumerate()
-                .map(|(i, f)| (format!("scenario.lead_speed.{}", i + 1), *f)),
+            factors.enumerate().map(|(i, f)| (format!("scenario.lead_speed.{}", i + 1), *f)),
         );
     }
     Ok(values)
@@ -53,13 +45,8 @@ pub(super) fn setup(
 fn losses(run: &Run) -> Option<usize> {
     let last = run.training.as_ref()?.networks.as_ref()?.epochs.last()?;
     let l = &last.losses;
-    let terms = [
-        l.following_distance,
-        l.lane_change,
-        l.velocity,
-        l.aggression,
-        l.mutual_information,
-    ];
+    let terms =
+        [l.following_distance, l.lane_change, l.velocity, l.aggression, l.mutual_information];
     Some(terms.iter().flatten().count())
 }
 
@@ -79,25 +66,16 @@ fn across_sd(run: &Run) -> Result<Option<f64>, StudyError> {
         run.conditions.iter().find(is_own)
     };
     let distance = |row: &ConditionRow| {
-        let (to, from) = (
-            row.embedding.coordinates(),
-            own_of(row)?.embedding.coordinates(),
-        );
+        let (to, from) = (row.embedding.coordinates(), own_of(row)?.embedding.coordinates());
         let axes = round.axes().iter().zip(round.half_axes());
         let squares = axes.map(|(axis, half)| {
-            let along: f64 = axis
-                .iter()
-                .zip(to.iter().zip(from))
-                .map(|(a, (t, f))| a * (t - f))
-                .sum();
+            let along: f64 =
+                axis.iter().zip(to.iter().zip(from)).map(|(a, (t, f))| a * (t - f)).sum();
             (along / half).powi(2)
         });
         Some(squares.sum::<f64>().sqrt())
     };
     let across = run.conditions.iter().filter(|c| c.condition == across);
-    let distances: Vec<f64> = across
-        .filter_map(distance)
-        .filter(|d| d.is_finite())
-        .collect();
+    let distances: Vec<f64> = across.filter_map(distance).filter(|d| d.is_finite()).collect();
     Ok(mean(&distances))
 }

@@ -26,10 +26,7 @@ pub(super) fn logs(folder: &Path, study: &DesignFile, run: &Run) -> Vec<PathBuf>
     let baseline = run.design.baseline_id().into_iter();
     let mut places = baseline.flat_map(|b| {
         // Of a run by stages, and of a study's own folder.
-        let roots = [
-            folder.join("logs"),
-            study.resolve(&study.design.files().logs),
-        ];
+        let roots = [folder.join("logs"), study.resolve(&study.design.files().logs)];
         roots.into_iter().flat_map(move |root| {
             let log_in = |part: &str| root.join(format!("{part}{who}-{b}.mcap"));
             [log_in("study2/"), log_in("test/"), log_in("")]
@@ -86,10 +83,11 @@ pub(super) fn diagram(watched: &WatchedDrive) -> Option<TimeSpace> {
             Direction::Right => DecisionKind::MergeBack,
         },
     });
-    let braked = drive.interventions.iter().flatten().map(|i| Decision {
-        time_s: i.start_s,
-        kind: DecisionKind::Safety,
-    });
+    let braked = drive
+        .interventions
+        .iter()
+        .flatten()
+        .map(|i| Decision { time_s: i.start_s, kind: DecisionKind::Safety });
     Some(TimeSpace {
         drive: watched.meta.drive.to_string(),
         condition: watched.meta.condition,

@@ -28,11 +28,7 @@ impl Test for Alpha {
         let answers = answers.collect::<Result<Vec<_>, StudyError>>()?;
         let items: Vec<(&str, &[Option<f64>])> =
             answers.iter().map(|(n, c)| (*n, &c[..])).collect();
-        let people = self
-            .subject
-            .as_ref()
-            .map(|s| labels(table, s))
-            .transpose()?;
+        let people = self.subject.as_ref().map(|s| labels(table, s)).transpose()?;
         Ok(Ran::plainly(&alpha(&items, people.as_deref())?))
     }
 }

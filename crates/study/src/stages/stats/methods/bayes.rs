@@ -20,12 +20,7 @@ pub struct Bayes {
     #[command(flatten)]
     conditions: Conditions,
     /// What the mean of one sample is compared with
-    #[arg(
-        long,
-        requires = "value",
-        conflicts_with = "wide",
-        allow_hyphen_values = true
-    )]
+    #[arg(long, requires = "value", conflicts_with = "wide", allow_hyphen_values = true)]
     mu: Option<f64>,
     /// Column that groups the rows
     #[arg(long, visible_alias = "between", requires = "value")]

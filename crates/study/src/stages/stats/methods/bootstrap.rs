@@ -44,16 +44,10 @@ impl Test for Bootstrap {
             Statistic::Mean | Statistic::Median => {
                 self.conditions.value.is_none().then_some("--value")
             }
-            Statistic::Pearson | Statistic::Spearman => self
-                .x
-                .as_ref()
-                .zip(self.y.as_ref())
-                .is_none()
-                .then_some("--x and --y"),
-            _ => self
-                .long()
-                .is_none()
-                .then_some("--subject, --within and --value"),
+            Statistic::Pearson | Statistic::Spearman => {
+                self.x.as_ref().zip(self.y.as_ref()).is_none().then_some("--x and --y")
+            }
+            _ => self.long().is_none().then_some("--subject, --within and --value"),
         }
     }
 

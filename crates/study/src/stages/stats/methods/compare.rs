@@ -55,11 +55,7 @@ impl Test for Compare {
         };
         let rows = DesignRows::read(table, &columns)?;
         let choice = DesignChoice {
-            scale: if self.ordinal {
-                OutcomeScale::Ordinal
-            } else {
-                OutcomeScale::Measure
-            },
+            scale: if self.ordinal { OutcomeScale::Ordinal } else { OutcomeScale::Measure },
             missing: self.missing,
             alpha: ALPHA,
             ..DesignChoice::default()
@@ -77,11 +73,7 @@ impl Test for Compare {
                     value: columns.value.clone(),
                 };
                 let data = c.read(table)?;
-                let p = one_factor
-                    .posthoc
-                    .pairs
-                    .values()
-                    .map(|pair| pair.p_adjusted);
+                let p = one_factor.posthoc.pairs.values().map(|pair| pair.p_adjusted);
                 pictures::conditions(
                     &data,
                     &c.value,

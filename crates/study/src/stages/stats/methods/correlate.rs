@@ -32,11 +32,7 @@ impl Test for Correlate {
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let (x, y) = (&self.x, &self.y);
-        let subjects = self
-            .subject
-            .as_ref()
-            .map(|s| labels(table, s))
-            .transpose()?;
+        let subjects = self.subject.as_ref().map(|s| labels(table, s)).transpose()?;
         let (of_x, of_y) = (table.numbers(x)?, table.numbers(y)?);
         let result = correlate(&of_x, &of_y, self.method, subjects.as_deref())?;
         let picture = pictures::correlation((x, &of_x), (y, &of_y), pictures::first(&result));

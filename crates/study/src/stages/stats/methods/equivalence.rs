@@ -72,7 +72,5 @@ fn two_numbers(text: &str) -> Result<(f64, f64), String> {
         let number = |part: &str| part.trim().parse::<f64>().ok();
         number(low).zip(number(high))
     });
-    numbers
-        .flatten()
-        .ok_or_else(|| "expected two numbers, as in -0.5,0.5".to_owned())
+    numbers.flatten().ok_or_else(|| "expected two numbers, as in -0.5,0.5".to_owned())
 }

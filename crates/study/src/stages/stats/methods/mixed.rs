@@ -124,8 +124,7 @@ impl Cells {
     fn read(table: &Table, name: &str) -> Result<Self, StudyError> {
         let cells = table.text(name)?;
         let is_number = |cell: &Option<String>| {
-            cell.as_ref()
-                .is_none_or(|cell| cell.trim().parse::<f64>().is_ok())
+            cell.as_ref().is_none_or(|cell| cell.trim().parse::<f64>().is_ok())
         };
         Ok(if cells.iter().all(is_number) {
             Self::Numbers(table.numbers(name)?)

@@ -42,9 +42,6 @@ impl Test for Normality {
             statements.extend(sentences.map(|(_, s)| (name.clone(), s)));
             groups.insert(name, plain(&result));
         }
-        Ok(Ran {
-            statements,
-            ..Ran::numbers(json!({ "group": groups }))
-        })
+        Ok(Ran { statements, ..Ran::numbers(json!({ "group": groups })) })
     }
 }

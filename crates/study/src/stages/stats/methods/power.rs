@@ -37,14 +37,9 @@ fn by_row(table: &Table, questions: &[PowerQuestion], error: StatsError) -> Stud
         Some((row, StatsError::TooFewConditions { found })) => {
             table.bad_cell(row, "k", found.to_string(), "at least 2 conditions")
         }
-        Some((
-            row,
-            StatsError::BadParameter {
-                name,
-                expected,
-                found,
-            },
-        )) => table.bad_cell(row, &name, found.to_string(), expected),
+        Some((row, StatsError::BadParameter { name, expected, found })) => {
+            table.bad_cell(row, &name, found.to_string(), expected)
+        }
         _ => error.into(),
     }
 }
@@ -55,20 +50,13 @@ fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, StudyError> {
     let n = table.all_numbers("n")?;
     let alpha = table.all_numbers("alpha")?;
     let optional = |name: &str| {
-        if table.has(name) {
-            table.numbers(name)
-        } else {
-            Ok(vec![None; table.rows()])
-        }
+        if table.has(name) { table.numbers(name) } else { Ok(vec![None; table.rows()]) }
     };
     let (k, corr, epsilon) = (optional("k")?, optional("corr")?, optional("epsilon")?);
     let partial = optional("eta2_partial")?;
     // Without the other column this one has to be there.
-    let effect = if table.has("eta2_partial") {
-        optional("effect")?
-    } else {
-        table.numbers("effect")?
-    };
+    let effect =
+        if table.has("eta2_partial") { optional("effect")? } else { table.numbers("effect")? };
     let need = |cells: &[Option<f64>], row: usize, name: &str| {
         cells[row].ok_or_else(|| table.bad_cell(row, name, "", "a number, for an ANOVA"))
     };
@@ -91,11 +79,7 @@ fn power_questions(table: &Table) -> Result<Vec<PowerQuestion>, StudyError> {
                                 return Err(table.bad_cell(row, name, found.to_string(), none));
                             }
                         }
-                        PlannedTest::RmAnovaPartial {
-                            eta2_partial,
-                            k,
-                            epsilon,
-                        }
+                        PlannedTest::RmAnovaPartial { eta2_partial, k, epsilon }
                     } else {
                         PlannedTest::RmAnova {
                             effect: size()?,

@@ -28,10 +28,7 @@ pub(in crate::stages::stats) fn conditions(
         outcome: outcome.to_owned(),
         test,
         cells: cells.collect(),
-        rows: data
-            .rows()
-            .map(|row| row.iter().copied().map(Some).collect())
-            .collect(),
+        rows: data.rows().map(|row| row.iter().copied().map(Some).collect()).collect(),
         contrasts: in_order(data.k(), p),
     };
     Picture::Panel(panel, WITHIN_INTERVALS, HOLM)

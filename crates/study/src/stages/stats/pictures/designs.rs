@@ -95,9 +95,7 @@ fn means_of<T>(emm: &Named<Named<T>>, numbers: impl Fn(&T) -> (f64, Interval)) -
         Some([mean, ci.low?, ci.high?])
     };
     let effects = emm.iter();
-    effects
-        .map(|(effect, cells)| (effect.to_owned(), named(cells, with_ends)))
-        .collect()
+    effects.map(|(effect, cells)| (effect.to_owned(), named(cells, with_ends))).collect()
 }
 
 /// Means of two factors with their intervals: a line a level of the first, along the levels of the second. None of fewer or more factors,
@@ -135,10 +133,7 @@ fn two_factors(
 }
 
 fn named<T, U>(entries: &Named<T>, number: impl Fn(&T) -> Option<U>) -> ByName<U> {
-    entries
-        .iter()
-        .map(|(name, entry)| (name.to_owned(), number(entry)))
-        .collect()
+    entries.iter().map(|(name, entry)| (name.to_owned(), number(entry))).collect()
 }
 
 /// The effects' sentences, shortened to the highest.
@@ -228,24 +223,16 @@ pub(in crate::stages::stats) fn groups(
     result: &GroupsAnalysis,
     chosen: Option<(ChosenTest, String)>,
 ) -> Picture {
-    let ranked = matches!(
-        chosen,
-        Some((ChosenTest::MannWhitney | ChosenTest::KruskalWallis, _))
-    );
+    let ranked = matches!(chosen, Some((ChosenTest::MannWhitney | ChosenTest::KruskalWallis, _)));
     let (pairs, contrasts) = match (&result.several, ranked) {
         (None, false) => (named(&result.welch_t, |t| t.p), "*p* values after Welch"),
-        (None, true) => (
-            named(&result.mann_whitney, |u| u.p),
-            "*p* values after Mann and Whitney",
-        ),
-        (Some(several), false) => (
-            named(&several.games_howell, |t| t.p),
-            "*p* values after Games and Howell",
-        ),
-        (Some(several), true) => (
-            named(&several.dunn, |z| z.p_holm),
-            "*p* values after Dunn and Holm",
-        ),
+        (None, true) => (named(&result.mann_whitney, |u| u.p), "*p* values after Mann and Whitney"),
+        (Some(several), false) => {
+            (named(&several.games_howell, |t| t.p), "*p* values after Games and Howell")
+        }
+        (Some(several), true) => {
+            (named(&several.dunn, |z| z.p_holm), "*p* values after Dunn and Holm")
+        }
     };
     let over = Over {
         test: chosen.map_or_else(|| first(result), |(_, sentence)| sentence),
@@ -263,10 +250,7 @@ pub(in crate::stages::stats) fn plain_cells(
     outcome: &str,
     test: String,
 ) -> Picture {
-    let over = Over {
-        test,
-        ..Over::default()
-    };
+    let over = Over { test, ..Over::default() };
     rainclouds(rows, outcome, over)
 }
 
@@ -301,10 +285,7 @@ fn fitted(
             n: result.n_subjects,
         });
     };
-    let statement = said
-        .statements()
-        .into_iter()
-        .find(|(known, _)| known == name);
+    let statement = said.statements().into_iter().find(|(known, _)| known == name);
     let test = statement.map_or_else(String::new, |(_, statement)| statement.markup().to_owned());
     let means = means_of(&result.emm, |m| (m.mean, m.ci));
     let means = (&means, result.n_subjects);
@@ -341,11 +322,7 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence)
     let rows = result.tost.iter().map(|(name, t)| {
         let estimate = || {
             // The standard deviation of the differences is that of their mean times √n.
-            let unit = if standardized {
-                t.se? * (t.n as f64).sqrt()
-            } else {
-                1.0
-            };
+            let unit = if standardized { t.se? * (t.n as f64).sqrt() } else { 1.0 };
             let numbers = [t.estimate, t.ci90.low?, t.ci90.high?].map(|v| v / unit);
             Some(numbers).filter(|numbers| numbers.iter().all(|v| v.is_finite()))
         };
@@ -355,11 +332,7 @@ pub(in crate::stages::stats) fn equivalence(outcome: &str, result: &Equivalence)
             said: p_text(apa::p_symbol(result.adjusted()), t.p_holm),
         }
     });
-    let axis = if standardized {
-        "*d*_{z} (90% CI)"
-    } else {
-        "Difference (90% CI)"
-    };
+    let axis = if standardized { "*d*_{z} (90% CI)" } else { "Difference (90% CI)" };
     Picture::Forest(Forest {
         title: format!("Equivalence of {outcome}"),
         axis: axis.to_owned(),

@@ -4,10 +4,7 @@ use super::Picture;
 use maveric_report::figures::scatter::Scatter;
 
 fn complete(x: &[Option<f64>], y: &[Option<f64>]) -> Vec<(f64, f64)> {
-    x.iter()
-        .zip(y)
-        .filter_map(|(x, y)| Some(((*x)?, (*y)?)))
-        .collect()
+    x.iter().zip(y).filter_map(|(x, y)| Some(((*x)?, (*y)?))).collect()
 }
 
 /// A correlation: points, line, band.
@@ -43,9 +40,7 @@ pub(in crate::stages::stats) fn within_people(
     }
     let line = |points: &Vec<(f64, f64)>| {
         let n = points.len() as f64;
-        let (mx, my) = points
-            .iter()
-            .fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
+        let (mx, my) = points.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
         let ends = |f: fn(f64, f64) -> f64, start: f64| points.iter().map(|p| p.0).fold(start, f);
         let point_at = |x: f64| Some((x, my + slope? * (x - mx)));
         Some([
@@ -58,9 +53,6 @@ pub(in crate::stages::stats) fn within_people(
         y: y_name.to_owned(),
         points: complete(x, y),
         test,
-        people: people
-            .iter()
-            .filter_map(|(_, points)| line(points))
-            .collect(),
+        people: people.iter().filter_map(|(_, points)| line(points)).collect(),
     })
 }

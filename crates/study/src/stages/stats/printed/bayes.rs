@@ -51,10 +51,7 @@ pub(in crate::stages::stats) fn bayes_correlation(
     Printed::headed(who, factor.n, &[])
         .left_out(result.missing, "pairs")
         .table(factors)
-        .table(priors([
-            ("bf10", &result.prior),
-            ("bf10_kappa1", &result.prior_kappa1),
-        ]))
+        .table(priors([("bf10", &result.prior), ("bf10_kappa1", &result.prior_kappa1)]))
         .undefined(&result.undefined)
 }
 

@@ -26,10 +26,7 @@ pub(super) fn number(value: f64) -> Cell {
     let exponent = written.split_once('e');
     let exponent = exponent.and_then(|(_, exponent)| exponent.parse::<i32>().ok());
     let decimals = 3 - exponent.unwrap_or(0);
-    Cell::Number {
-        value,
-        decimals: usize::try_from(decimals).unwrap_or(0),
-    }
+    Cell::Number { value, decimals: usize::try_from(decimals).unwrap_or(0) }
 }
 
 /// An estimate with as many decimals as its interval needs to be told from it.
@@ -37,15 +34,11 @@ pub(super) fn estimate(value: f64, ci: Interval) -> Cell {
     let inside = apa::decimals_inside(ci);
     let width = ci.ends().map_or(0.0, |(low, high)| high - low);
     match number(value) {
-        Cell::Number { value, decimals } => Cell::Number {
-            value,
-            decimals: decimals.max(inside),
-        },
+        Cell::Number { value, decimals } => Cell::Number { value, decimals: decimals.max(inside) },
         // Four digits are the same at both ends of so narrow an interval.
-        _ if width > 0.0 && width < 0.01 * value.abs() && value.abs() < 1e15 => Cell::Number {
-            value,
-            decimals: inside,
-        },
+        _ if width > 0.0 && width < 0.01 * value.abs() && value.abs() < 1e15 => {
+            Cell::Number { value, decimals: inside }
+        }
         other => other,
     }
 }
@@ -108,28 +101,9 @@ mod tests {
     fn numbers_keep_four_digits_at_any_size() {
         let written =
             [0.0, 12.3456, -0.012_345, 123_456.7, 1.2e-9, 3e12].map(|v| shown(&number(v)));
-        assert_eq!(
-            written,
-            [
-                "0.000",
-                "12.35",
-                "−0.01235",
-                "123457",
-                "1.200e−9",
-                "3.000e12"
-            ]
-        );
+        assert_eq!(written, ["0.000", "12.35", "−0.01235", "123457", "1.200e−9", "3.000e12"]);
         assert_eq!(shown(&p(Some(1e-9))), "< .001");
-        assert_eq!(
-            shown(&interval(
-                Interval {
-                    low: Some(0.1),
-                    high: None
-                },
-                share
-            )),
-            "[.100, –]"
-        );
+        assert_eq!(shown(&interval(Interval { low: Some(0.1), high: None }, share)), "[.100, –]");
     }
 
     #[test]

@@ -38,12 +38,10 @@ pub(in crate::stages::stats) fn by_design(result: &ByDesign, after: Option<&Foll
             if !result.found.corrected.is_empty() {
                 let sentences = named_sentences(&result.found);
                 let title = "Terms, degrees of freedom within subjects times epsilon";
-                printed = Printed {
-                    heading: std::mem::take(&mut printed.heading),
-                    tables: Vec::new(),
-                }
-                .lines(title, sentences)
-                .and(printed);
+                printed =
+                    Printed { heading: std::mem::take(&mut printed.heading), tables: Vec::new() }
+                        .lines(title, sentences)
+                        .and(printed);
             }
             printed
         }
@@ -66,10 +64,7 @@ pub(in crate::stages::stats) fn by_design(result: &ByDesign, after: Option<&Foll
 }
 
 fn ranks(beside: &RankCheck) -> Table {
-    let title = format!(
-        "Rank tests of the {} complete subjects, as a check",
-        beside.n
-    );
+    let title = format!("Rank tests of the {} complete subjects, as a check", beside.n);
     let f = &beside.friedman;
     let omnibus = ("Friedman".to_owned(), f.reported_p().0);
     let pairs = beside.wilcoxon.iter();

@@ -23,9 +23,7 @@ fn who(what: &str, n: usize, missing: usize, more: &str) -> Printed {
 
 fn sentences(result: &impl Statements) -> Vec<String> {
     let statements = result.statements().into_iter();
-    statements
-        .map(|(_, sentence)| sentence.markup().to_owned())
-        .collect()
+    statements.map(|(_, sentence)| sentence.markup().to_owned()).collect()
 }
 
 pub(in crate::stages::stats) fn correlation(result: &Correlation, x: &str, y: &str) -> Printed {
@@ -51,15 +49,10 @@ pub(in crate::stages::stats) fn correlation(result: &Correlation, x: &str, y: &s
         .done();
     table.notes = sentences(result);
     let reasons = result.reasons.iter().map(|reason| markup::literal(reason));
-    who(
-        &format!("Correlation of {x} and {y}"),
-        result.n,
-        result.missing,
-        "",
-    )
-    .table(table)
-    .lines("Why this coefficient", reasons.collect())
-    .undefined(&result.undefined)
+    who(&format!("Correlation of {x} and {y}"), result.n, result.missing, "")
+        .table(table)
+        .lines("Why this coefficient", reasons.collect())
+        .undefined(&result.undefined)
 }
 
 pub(in crate::stages::stats) fn rm_correlation(
@@ -74,11 +67,7 @@ pub(in crate::stages::stats) fn rm_correlation(
     let ci = interval(r.ci, share);
     lines.push(format!("95% CI {}", shown(&ci)));
     if let Some(slope) = r.slope {
-        let (slope, x, y) = (
-            shown(&number(slope)),
-            markup::literal(x),
-            markup::literal(y),
-        );
+        let (slope, x, y) = (shown(&number(slope)), markup::literal(x), markup::literal(y));
         lines.push(format!("common slope of {y} on {x}: {slope}"));
     }
     who(&what, result.n, result.missing, &more)

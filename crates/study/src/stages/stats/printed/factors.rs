@@ -13,10 +13,8 @@ use maveric_stats::{
 
 /// What was analysed, with its factors and their levels.
 fn headed(result: &Factorial) -> Printed {
-    let factors = result
-        .levels
-        .iter()
-        .map(|(name, levels)| format!("{name} ({})", levels.join(", ")));
+    let factors =
+        result.levels.iter().map(|(name, levels)| format!("{name} ({})", levels.join(", ")));
     let who = format!(
         "Factorial analysis: {} subjects; {}",
         result.n,
@@ -89,13 +87,9 @@ fn level_pairs(term: &str, pairs: &Named<LevelPair>) -> Table {
     let table = table(&format!("Pairs of {term} (A minus B, Holm)"), pairs.iter())
         .text("", |(name, _)| *name)
         .right("Difference", |(_, pair)| number(pair.test.estimate))
-        .and_if(!ranks, |table| {
-            table.right("95% CI", |(_, pair)| interval(pair.test.ci, optional))
-        })
+        .and_if(!ranks, |table| table.right("95% CI", |(_, pair)| interval(pair.test.ci, optional)))
         .right(statistic, |(_, pair)| optional(pair.test.statistic))
-        .and_if(!ranks, |table| {
-            table.right("*df*", |(_, pair)| degrees(pair.test.df))
-        });
+        .and_if(!ranks, |table| table.right("*df*", |(_, pair)| degrees(pair.test.df)));
     table
         .right("*p*", |(_, pair)| p(pair.test.p))
         .right("*p*_{Holm}", |(_, pair)| p(pair.p_holm))
@@ -113,18 +107,14 @@ pub(in crate::stages::stats) fn factorial(result: &Factorial) -> Printed {
         printed = printed.table(contrasts(name, pairs));
     }
     let inner = result.simple.iter().flat_map(|(interaction, tests)| {
-        tests
-            .iter()
-            .map(move |(name, test)| (format!("{interaction}: {name}"), test))
+        tests.iter().map(move |(name, test)| (format!("{interaction}: {name}"), test))
     });
     let inner: Vec<_> = inner.collect();
     let mut simple = table("Simple effects", &inner)
         .text("Effect", |(whole, _)| whole)
         .right("*F*", |(_, test)| optional(deciding_f(test).0))
         .right("*df*_{1}", |(_, test)| degrees(Some(test.df1 as f64)))
-        .right("*df*_{2}", |(_, test)| {
-            degrees(Some(deciding_f(test).1 as f64))
-        })
+        .right("*df*_{2}", |(_, test)| degrees(Some(deciding_f(test).1 as f64)))
         .right("*p*", |(_, test)| p(deciding_f(test).2))
         .done();
     if inner.iter().any(|(_, test)| test.exact.is_some()) {
@@ -146,10 +136,7 @@ fn deciding_f(test: &SimpleEffect) -> (Option<f64>, usize, Option<f64>) {
 
 fn effects(result: &Factorial) -> Table {
     let epsilon = |name: &str, column: fn(&Sphericity) -> Cell| {
-        result
-            .sphericity
-            .get(name)
-            .map_or_else(|| Cell::text(""), column)
+        result.sphericity.get(name).map_or_else(|| Cell::text(""), column)
     };
     table("Effects", result.anova.iter())
         .text("Effect", |(name, _)| *name)
@@ -160,9 +147,7 @@ fn effects(result: &Factorial) -> Table {
         .right("*ε*_{GG}", |(name, _)| epsilon(name, |s| share(s.gg)))
         .right("*p*_{GG}", |(name, _)| epsilon(name, |s| p(s.p_gg)))
         .right("*η*_{p}^{2}", |(_, e)| share(e.eta2_partial))
-        .right("90% CI", |(_, e)| {
-            interval(e.eta2_partial_ci90.holding(e.eta2_partial), share)
-        })
+        .right("90% CI", |(_, e)| interval(e.eta2_partial_ci90.holding(e.eta2_partial), share))
         .right("*η*_{G}^{2}", |(_, e)| share(e.eta2_generalized))
         .done()
 }
@@ -184,10 +169,7 @@ fn deciding(result: &FactorialFinding) -> Table {
 
 pub(super) fn marginal(name: &str, means: &Named<MarginalMean>) -> Table {
     let means = means.iter();
-    means_of(
-        name,
-        means.map(|(cell, m)| (cell, m.mean, Some(m.se), m.ci)),
-    )
+    means_of(name, means.map(|(cell, m)| (cell, m.mean, Some(m.se), m.ci)))
 }
 
 /// Means with their standard errors and intervals, by cell.
@@ -224,9 +206,7 @@ pub(in crate::stages::stats) fn aligned(result: &AlignedRanks) -> Printed {
         .done();
     table.notes = named_sentences(result);
     let who = format!("Aligned ranks: {} subjects", result.n);
-    Printed::headed(who, result.n, &result.dropped)
-        .table(table)
-        .undefined(&result.undefined)
+    Printed::headed(who, result.n, &result.dropped).table(table).undefined(&result.undefined)
 }
 
 #[cfg(test)]
@@ -245,15 +225,8 @@ mod tests {
             pairs: Named::default(),
         };
         assert_eq!(deciding_f(&wald), (Some(4.0), 8, Some(0.06)));
-        let exact = ExactTest {
-            f: Some(3.5),
-            df2: 7,
-            p: Some(0.09),
-        };
-        let hotelling = SimpleEffect {
-            exact: Some(exact),
-            ..wald
-        };
+        let exact = ExactTest { f: Some(3.5), df2: 7, p: Some(0.09) };
+        let hotelling = SimpleEffect { exact: Some(exact), ..wald };
         assert_eq!(deciding_f(&hotelling), (Some(3.5), 7, Some(0.09)));
     }
 }

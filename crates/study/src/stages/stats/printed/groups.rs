@@ -9,10 +9,7 @@ use maveric_report::tables::Cell;
 use maveric_stats::{Equivalence, GroupsAnalysis, Interval};
 
 pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
-    let who = format!(
-        "Independent groups: {} values, {} groups",
-        result.n, result.k
-    );
+    let who = format!("Independent groups: {} values, {} groups", result.n, result.k);
     let mut desc = table("Groups", result.desc.iter())
         .text("", |(name, _)| *name)
         .right("*n*", |(_, g)| Cell::count(g.n))
@@ -36,10 +33,8 @@ pub(in crate::stages::stats) fn groups(result: &GroupsAnalysis) -> Printed {
         .right("*p*", |(_, (_, u))| p(u.p))
         .right("*r*_{rb}", |(_, (_, u))| share(Some(u.rank_biserial)))
         .done();
-    let mut printed = Printed::headed(who, 0, &[])
-        .left_out(result.missing, "rows")
-        .table(desc)
-        .table(pairs);
+    let mut printed =
+        Printed::headed(who, 0, &[]).left_out(result.missing, "rows").table(desc).table(pairs);
     if let Some(several) = &result.several {
         let pairs = several.games_howell.iter().zip(several.dunn.values());
         let by_pair = table("Pairs of all groups (A minus B)", pairs)
@@ -67,17 +62,11 @@ pub(in crate::stages::stats) fn equivalence(result: &Equivalence) -> Printed {
         })
         .right("*p* (two one-sided)", |(_, t)| p(t.p))
         .right("*p*_{Holm}", |(_, t)| p(t.p_holm))
-        .right("Equivalent", |(_, t)| {
-            Cell::word(t.equivalent_holm, "yes", "not shown")
-        })
+        .right("Equivalent", |(_, t)| Cell::word(t.equivalent_holm, "yes", "not shown"))
         .right("*p* (difference)", |(_, t)| p(t.p_difference))
         .done();
     table.notes = named_sentences(result);
-    let counted = if result.is_of_one_sample() {
-        "values"
-    } else {
-        "subjects"
-    };
+    let counted = if result.is_of_one_sample() { "values" } else { "subjects" };
     let who = format!("Equivalence by two one-sided tests: {} {counted}", result.n);
     Printed::headed(who, result.n, &result.dropped)
         .left_out(result.missing, "values")

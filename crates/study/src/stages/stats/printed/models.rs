@@ -108,9 +108,7 @@ pub(in crate::stages::stats) fn ordinal(result: &Ordinal) -> Printed {
     let mut thresholds = rows("Thresholds between answers", &result.quadrature.threshold);
     if let Some(variance) = result.quadrature.variance.subject {
         let variance = shown(&number(variance));
-        thresholds
-            .notes
-            .push(format!("variance of the subjects {variance}"));
+        thresholds.notes.push(format!("variance of the subjects {variance}"));
     }
     Printed::headed(who, 0, &[])
         .left_out(result.missing, "rows")

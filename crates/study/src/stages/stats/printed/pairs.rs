@@ -16,10 +16,7 @@ pub(super) fn comparison(result: &Comparison) -> Printed {
     let omnibus = &result.omnibus;
     let mut finding = sentences(result, &["omnibus"]);
     if omnibus.test == OmnibusTest::Friedman {
-        let ci = shown(&interval(
-            omnibus.effect.ci.holding(omnibus.effect.value),
-            share,
-        ));
+        let ci = shown(&interval(omnibus.effect.ci.holding(omnibus.effect.value), share));
         let how = match omnibus.p_method {
             OmnibusP::Exact => "*p* is exact: all orders of the ranks within subjects",
             OmnibusP::ImanDavenport => "*p* is that of Iman and Davenport's *F* of the ranks",
@@ -41,18 +38,13 @@ pub(super) fn comparison(result: &Comparison) -> Printed {
         OmnibusTest::Wilcoxon => "Wilcoxon's signed ranks",
         _ => "Repeated-measures analysis of variance",
     };
-    Printed::within(
-        "Comparison of conditions",
-        result.n,
-        result.k,
-        &result.dropped,
-    )
-    .table(within::conditions(&result.desc, None))
-    .table(checks(&result.checks))
-    .lines("Why this test", why(&result.reasons))
-    .lines(heading, finding)
-    .table(pairs(&result.posthoc))
-    .undefined(&result.undefined)
+    Printed::within("Comparison of conditions", result.n, result.k, &result.dropped)
+        .table(within::conditions(&result.desc, None))
+        .table(checks(&result.checks))
+        .lines("Why this test", why(&result.reasons))
+        .lines(heading, finding)
+        .table(pairs(&result.posthoc))
+        .undefined(&result.undefined)
 }
 
 pub(in crate::stages::stats) fn posthoc(result: &Posthoc) -> Printed {
@@ -92,11 +84,8 @@ fn pairs(result: &Posthoc) -> Table {
         .values()
         .next()
         .is_some_and(|pair| pair.effect.name == EffectName::RankBiserial);
-    let (size, write): (_, fn(Option<f64>) -> Cell) = if biserial {
-        ("*r*_{rb}", share)
-    } else {
-        ("*d*_{z}", effect)
-    };
+    let (size, write): (_, fn(Option<f64>) -> Cell) =
+        if biserial { ("*r*_{rb}", share) } else { ("*d*_{z}", effect) };
     let exact = |pair: &PosthocPair| match pair.p_method {
         Some(PMethod::Exact) => " exact",
         _ => "",
@@ -106,16 +95,10 @@ fn pairs(result: &Posthoc) -> Table {
         .right("Difference", |(_, pair)| number(pair.mean_diff))
         .right("*n*", |(_, pair)| Cell::count(pair.n_used))
         .right(statistic, |(_, pair)| optional(pair.statistic))
-        .right("*df*", |(_, pair)| {
-            pair.df.map_or_else(|| Cell::text(""), Cell::count)
-        })
-        .right("*p*", |(_, pair)| {
-            Cell::text(format!("{}{}", shown(&p(pair.p)), exact(pair)))
-        })
+        .right("*df*", |(_, pair)| pair.df.map_or_else(|| Cell::text(""), Cell::count))
+        .right("*p*", |(_, pair)| Cell::text(format!("{}{}", shown(&p(pair.p)), exact(pair))))
         .right("*p* adjusted", |(_, pair)| p(pair.p_adjusted))
-        .right("", |(_, pair)| {
-            Cell::text(if pair.reject == Some(true) { "†" } else { "" })
-        })
+        .right("", |(_, pair)| Cell::text(if pair.reject == Some(true) { "†" } else { "" }))
         .right(size, |(_, pair)| write(pair.effect.value))
         .right("95% CI", |(_, pair)| interval(pair.effect.ci, write))
         .done()

@@ -61,9 +61,7 @@ fn rows<'a>(title: &str, rows: impl Iterator<Item = (String, &'a Map<String, Val
     });
     let columns = columns.into_iter();
     let filled = columns.fold(table, |table, key| {
-        table.right(markup::literal(key), |(_, row)| {
-            row.get(key).map_or(Cell::Missing, cell)
-        })
+        table.right(markup::literal(key), |(_, row)| row.get(key).map_or(Cell::Missing, cell))
     });
     filled.done()
 }
@@ -105,22 +103,18 @@ fn inside(mut printed: Printed, title: &str, value: &Value) -> Printed {
         printed = printed.table(lists(&flat));
     }
     for (key, list) in long {
-        let objects = (1..)
-            .zip(list)
-            .filter_map(|(i, row)| Some((i.to_string(), row.as_object()?)));
+        let objects =
+            (1..).zip(list).filter_map(|(i, row)| Some((i.to_string(), row.as_object()?)));
         printed = printed.table(rows(&markup::literal(key), objects));
     }
     for (key, inner) in shown() {
         let Value::Object(map) = inner else { continue };
         let title = markup::literal(key);
         let alike = map.len() > 1
-            && map
-                .values()
-                .all(|v| v.as_object().is_some_and(|o| o.values().all(is_leaf)));
+            && map.values().all(|v| v.as_object().is_some_and(|o| o.values().all(is_leaf)));
         printed = if alike {
-            let objects = map
-                .iter()
-                .filter_map(|(name, row)| Some((name.clone(), row.as_object()?)));
+            let objects =
+                map.iter().filter_map(|(name, row)| Some((name.clone(), row.as_object()?)));
             printed.table(rows(&title, objects))
         } else if map.values().all(is_leaf) {
             printed.table(leaves(&title, map.iter()))

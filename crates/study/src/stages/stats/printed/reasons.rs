@@ -10,9 +10,7 @@ use maveric_stats::AssumptionCheck;
 /// The reasons, numbered, with marks.
 pub(super) fn why(reasons: &[String]) -> Vec<String> {
     let numbered = reasons.iter().enumerate();
-    numbered
-        .map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1)))
-        .collect()
+    numbered.map(|(i, reason)| markup::literal(&format!("{}. {reason}", i + 1))).collect()
 }
 
 /// The assumptions that were looked at.

@@ -17,20 +17,15 @@ pub(in crate::stages::stats) fn whole(result: &WithinAnalysis) -> Printed {
     let mut ranked = ranks(&result.friedman);
     ranked.notes.splice(0..0, sentences(result, &["friedman"]));
     let corrected = corrections(&result.rm_anova, &result.mauchly, &result.sphericity);
-    Printed::within(
-        "Within-subject analysis",
-        result.n,
-        result.k,
-        &result.dropped,
-    )
-    .table(conditions(&result.desc, Some(&result.shapiro)))
-    .table(anova)
-    .table(corrected)
-    .table(sizes(&result.rm_anova))
-    .table(ranked)
-    .table(t_pairs(result))
-    .table(rank_pairs(result))
-    .undefined(&result.undefined)
+    Printed::within("Within-subject analysis", result.n, result.k, &result.dropped)
+        .table(conditions(&result.desc, Some(&result.shapiro)))
+        .table(anova)
+        .table(corrected)
+        .table(sizes(&result.rm_anova))
+        .table(ranked)
+        .table(t_pairs(result))
+        .table(rank_pairs(result))
+        .undefined(&result.undefined)
 }
 
 pub(in crate::stages::stats) fn rm_anova(result: &RmAnovaAnalysis) -> Printed {
@@ -75,9 +70,7 @@ pub(super) fn conditions(
                 .right("Shapiro-Wilk *W*", |(name, _)| {
                     normal(name).map_or(Cell::Missing, |test| share(test.w))
                 })
-                .right("*p*", |(name, _)| {
-                    normal(name).map_or(Cell::Missing, |test| p(test.p))
-                })
+                .right("*p*", |(name, _)| normal(name).map_or(Cell::Missing, |test| p(test.p)))
         })
         .done()
 }
@@ -95,10 +88,7 @@ fn variance(result: &RmAnova) -> Table {
         .right("*SS*", |row| number(row.1))
         .right("*df*", |row| degrees(Some(row.2)))
         .right("*MS*", |row| number(row.1 / row.2))
-        .right(
-            "*F*",
-            |row| if row.3 { optional(result.f) } else { blank() },
-        )
+        .right("*F*", |row| if row.3 { optional(result.f) } else { blank() })
         .right("*p*", |row| if row.3 { p(result.p) } else { blank() })
         .done()
 }
@@ -124,30 +114,16 @@ fn corrections(result: &RmAnova, mauchly: &Mauchly, sphericity: &Sphericity) -> 
         use maveric_stats::apa;
         let (w, chi2, p) = (apa::bounded(w, 3), apa::number(chi2, 2), apa::p(p));
         let p = p.markup();
-        table
-            .notes
-            .push(format!("Mauchly: *W* = {w}, *χ*^{{2}}({df}) = {chi2}, {p}"));
+        table.notes.push(format!("Mauchly: *W* = {w}, *χ*^{{2}}({df}) = {chi2}, {p}"));
     }
     table
 }
 
 fn sizes(result: &RmAnova) -> Table {
     let rows = [
-        (
-            "partial eta squared",
-            result.eta2_partial,
-            result.eta2_partial_ci90,
-        ),
-        (
-            "generalised eta squared",
-            result.eta2_generalized,
-            result.eta2_generalized_ci90,
-        ),
-        (
-            "omega squared",
-            result.omega2_partial,
-            result.omega2_partial_ci90,
-        ),
+        ("partial eta squared", result.eta2_partial, result.eta2_partial_ci90),
+        ("generalised eta squared", result.eta2_generalized, result.eta2_generalized_ci90),
+        ("omega squared", result.omega2_partial, result.omega2_partial_ci90),
     ];
     table("Effect sizes", rows)
         .text("", |row| row.0)
@@ -163,12 +139,7 @@ fn ranks(result: &Friedman) -> Table {
     };
     let (blank, df) = (|| Cell::text(""), degrees(result.df.map(|df| df as f64)));
     let rows = [
-        (
-            "all orders of the ranks (exact)",
-            blank(),
-            blank(),
-            result.p_exact,
-        ),
+        ("all orders of the ranks (exact)", blank(), blank(), result.p_exact),
         ("F (Iman-Davenport)", optional(result.f), two, result.f_p),
         ("chi-squared", optional(result.chi2), df, result.p),
     ];
@@ -201,18 +172,15 @@ fn t_pairs(result: &WithinAnalysis) -> Table {
 fn rank_pairs(result: &WithinAnalysis) -> Table {
     let sum = |value: Option<f64>| value.map_or(Cell::Missing, |v| Cell::text(v.to_string()));
     let others = result.conover.values().zip(result.nemenyi.values());
-    table(
-        "Pairs by ranks (A minus B, Holm)",
-        result.wilcoxon.iter().zip(others),
-    )
-    .text("", |((name, _), _)| *name)
-    .right("*n*", |((_, w), _)| Cell::count(w.n_used))
-    .right("*V*", |((_, w), _)| sum(w.w_plus))
-    .right("*W*_{−}", |((_, w), _)| sum(w.w_minus))
-    .right("Wilcoxon *p*_{Holm}", |((_, w), _)| p(w.p_holm))
-    .right("*r*_{rb}", |((_, w), _)| share(w.rank_biserial))
-    .right("95% CI", |((_, w), _)| interval(w.rank_biserial_ci, share))
-    .right("Conover *p*_{Holm}", |(_, (conover, _))| p(conover.p_holm))
-    .right("Nemenyi *p*", |(_, (_, nemenyi))| p(Some(nemenyi.p)))
-    .done()
+    table("Pairs by ranks (A minus B, Holm)", result.wilcoxon.iter().zip(others))
+        .text("", |((name, _), _)| *name)
+        .right("*n*", |((_, w), _)| Cell::count(w.n_used))
+        .right("*V*", |((_, w), _)| sum(w.w_plus))
+        .right("*W*_{−}", |((_, w), _)| sum(w.w_minus))
+        .right("Wilcoxon *p*_{Holm}", |((_, w), _)| p(w.p_holm))
+        .right("*r*_{rb}", |((_, w), _)| share(w.rank_biserial))
+        .right("95% CI", |((_, w), _)| interval(w.rank_biserial_ci, share))
+        .right("Conover *p*_{Holm}", |(_, (conover, _))| p(conover.p_holm))
+        .right("Nemenyi *p*", |(_, (_, nemenyi))| p(Some(nemenyi.p)))
+        .done()
 }

@@ -62,23 +62,16 @@ impl Examination<'_> {
         let test = &self.people.test;
         let scored = test.iter().zip(&fits.scored);
         let elsewhere = scored.map(|(person, w)| Self::ride(person, w, self.worlds));
-        let unscored = test.iter().zip(&fits.own).map(|(person, w)| Ride {
-            read_back: true,
-            ..Self::ride(person, w, 0)
-        });
-        let average = test
+        let unscored = test
             .iter()
-            .map(|person| Self::ride(person, model.mean_embedding(), 0));
+            .zip(&fits.own)
+            .map(|(person, w)| Ride { read_back: true, ..Self::ride(person, w, 0) });
+        let average = test.iter().map(|person| Self::ride(person, model.mean_embedding(), 0));
         elsewhere.chain(unscored).chain(average).collect()
     }
 
     fn ride<'p>(person: &'p Person, embedding: &Embedding, world: usize) -> Ride<'p> {
-        Ride {
-            person,
-            embedding: embedding.clone(),
-            world,
-            read_back: false,
-        }
+        Ride { person, embedding: embedding.clone(), world, read_back: false }
     }
 
     /// Driver by driver, setting by setting, road by road.

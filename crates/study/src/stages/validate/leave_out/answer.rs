@@ -90,8 +90,5 @@ pub(super) fn findings_of(answers: &[&Answer]) -> Vec<Finding> {
         findings::recognised_unmet(whose.flatten()),
         findings::pointed(&directions),
     ];
-    by_question
-        .into_iter()
-        .filter(|f| !f.parts.is_empty())
-        .collect()
+    by_question.into_iter().filter(|f| !f.parts.is_empty()).collect()
 }

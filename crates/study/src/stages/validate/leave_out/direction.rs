@@ -26,9 +26,7 @@ use maveric_rehearsal::leave_out::{
 fn axes(drive: &Drive) -> Change {
     let measure = |name: &str| objective::find(name).and_then(|m| m.of(drive));
     let minutes = drive.len() as f64 / drive.rate_hz() / 60.0;
-    let changes = drive
-        .has_lateral()
-        .then(|| drive.lane_changes().len() as f64 / minutes);
+    let changes = drive.has_lateral().then(|| drive.lane_changes().len() as f64 / minutes);
     [
         measure("mean_velocity_mps"),
         median_time_gap_s(drive),
@@ -74,10 +72,7 @@ pub(super) fn pointing(
     watch: Watch<'_>,
 ) -> Result<(Direction, Vec<Uncounted>), StudyError> {
     let (table, options) = (bench.table, bench.options);
-    let (higher, lower) = (
-        role_of(table.higher)?,
-        role_of(table.lower.first().copied())?,
-    );
+    let (higher, lower) = (role_of(table.higher)?, role_of(table.lower.first().copied())?);
     let measured: Vec<Change> = rows.iter().map(|r| axes(&r.drive)).collect();
     let points = table.points.unwrap_or(options.points);
     let (mut judged, mut rides, mut uncounted) = (Vec::new(), Vec::new(), Vec::new());
@@ -88,10 +83,7 @@ pub(super) fn pointing(
         let (above, below, own_style) = match placed(learning, fold, higher, lower) {
             Ok(place) => place,
             Err(why) => {
-                uncounted.push(Uncounted {
-                    participant: fold.person.clone(),
-                    why,
-                });
+                uncounted.push(Uncounted { participant: fold.person.clone(), why });
                 continue;
             }
         };
@@ -155,10 +147,9 @@ pub(super) fn pointing(
     let directions = table.directions.unwrap_or_default();
     let result = direction(&pointed, directions, options.seed)?;
     let apart = result.people.iter().filter(|p| p.cosine.is_none());
-    uncounted.extend(apart.map(|p| Uncounted {
-        participant: p.participant.clone(),
-        why: Missing::Change,
-    }));
+    uncounted.extend(
+        apart.map(|p| Uncounted { participant: p.participant.clone(), why: Missing::Change }),
+    );
     Ok((result, uncounted))
 }
 
@@ -189,16 +180,11 @@ fn placed<'f>(
     let drive_in = |who: &ParticipantId, role: ConditionId| {
         first_in(&learning.drove, who, role).ok_or(Missing::Drive { role })
     };
-    let (above, below) = (
-        drive_in(&fold.person, higher)?,
-        drive_in(&fold.person, lower)?,
-    );
-    let ordinary = fold.fitted[below]
-        .as_ref()
-        .ok_or_else(|| Missing::Reading {
-            drive: learning.drove[below].drive.clone(),
-            by: maveric_rehearsal::leave_out::By::Line,
-        })?;
+    let (above, below) = (drive_in(&fold.person, higher)?, drive_in(&fold.person, lower)?);
+    let ordinary = fold.fitted[below].as_ref().ok_or_else(|| Missing::Reading {
+        drive: learning.drove[below].drive.clone(),
+        by: maveric_rehearsal::leave_out::By::Line,
+    })?;
     Ok((above, below, &ordinary.embedding))
 }
 
@@ -213,13 +199,7 @@ mod tests {
         let spread = [Some(2.0), Some(0.25), Some(0.5), None];
         let found = change(&higher, &lower, &spread);
         assert_eq!(found, [Some(2.0), Some(-2.0), None, None]);
-        let roads = [
-            [Some(1.0), None, None, Some(3.0)],
-            [Some(2.0), None, Some(5.0), None],
-        ];
-        assert_eq!(
-            column_means(&roads),
-            [Some(1.5), None, Some(5.0), Some(3.0)]
-        );
+        let roads = [[Some(1.0), None, None, Some(3.0)], [Some(2.0), None, Some(5.0), None]];
+        assert_eq!(column_means(&roads), [Some(1.5), None, Some(5.0), Some(3.0)]);
     }
 }

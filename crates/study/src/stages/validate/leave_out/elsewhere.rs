@@ -32,24 +32,18 @@ pub(super) fn said_of(
     let fitted = for_each_on(bench.options.jobs, rows, watch, "styles", |row| {
         Ok(read_alone(&model, &row.drive)?)
     })?;
-    let (ordinary, higher) = (
-        role_of(bench.table.lower.first().copied())?,
-        role_of(bench.table.higher)?,
-    );
+    let (ordinary, higher) =
+        (role_of(bench.table.lower.first().copied())?, role_of(bench.table.higher)?);
     let (mut readings, mut uncounted) = (Vec::new(), Vec::new());
     for who in people(drove) {
         for role in [ordinary, higher] {
             let why = match first_in(drove, &who, role) {
                 None => Some(Missing::Drive { role }),
-                Some(place) => fitted[place].is_none().then(|| Missing::Reading {
-                    drive: drove[place].drive.clone(),
-                    by: By::Line,
-                }),
+                Some(place) => fitted[place]
+                    .is_none()
+                    .then(|| Missing::Reading { drive: drove[place].drive.clone(), by: By::Line }),
             };
-            uncounted.extend(why.map(|why| Uncounted {
-                participant: who.clone(),
-                why,
-            }));
+            uncounted.extend(why.map(|why| Uncounted { participant: who.clone(), why }));
         }
         let known = |role| -> Option<&Personalized> {
             let place = first_in(drove, &who, role)?;

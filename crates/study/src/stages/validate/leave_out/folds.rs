@@ -51,12 +51,8 @@ impl Learning<'_> {
             .collect::<Result<_, _>>()?;
         let one = |person: &ParticipantId| {
             let teaching = (0..self.drives.len()).filter(|&i| self.teaches(i, person));
-            let given: Vec<TrainingDrive<'_>> = teaching
-                .map(|i| TrainingDrive {
-                    drive: self.drives[i],
-                    adb: scores[i],
-                })
-                .collect();
+            let given: Vec<TrainingDrive<'_>> =
+                teaching.map(|i| TrainingDrive { drive: self.drives[i], adb: scores[i] }).collect();
             let mut observe = |_: &_| match self.watch.check() {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(_) => ControlFlow::Break(()),
@@ -68,11 +64,7 @@ impl Learning<'_> {
             let drives = self.drives.iter();
             let fitted = drives.map(|drive| read_alone(&model, drive));
             let fitted = fitted.collect::<Result<_, _>>()?;
-            Ok(Fold {
-                person: person.clone(),
-                model,
-                fitted,
-            })
+            Ok(Fold { person: person.clone(), model, fitted })
         };
         for_each_on(self.jobs, &everybody, self.watch, "models", one)
     }
@@ -85,21 +77,10 @@ impl Learning<'_> {
         points: &[Option<f64>],
     ) -> Result<Vec<Option<Line>>, StudyError> {
         if self.settings.heads == HeadsKind::Linear {
-            return folds
-                .iter()
-                .map(|fold| self.line_again(fold, points))
-                .collect();
+            return folds.iter().map(|fold| self.line_again(fold, points)).collect();
         }
-        let same = self
-            .drove
-            .iter()
-            .map(|d| d.points)
-            .eq(points.iter().copied());
-        let learned = if same {
-            None
-        } else {
-            Some(self.folds(points)?)
-        };
+        let same = self.drove.iter().map(|d| d.points).eq(points.iter().copied());
+        let learned = if same { None } else { Some(self.folds(points)?) };
         let folds = learned.as_deref().unwrap_or(folds);
         folds.iter().map(line_of_model).collect()
     }
@@ -142,11 +123,9 @@ fn line_of_model(fold: &Fold) -> Result<Option<Line>, StudyError> {
         let reading = |value: fn(&LinearHead, &Personalized) -> Result<f64, ModelError>| {
             known.as_ref().map(|k| value(&axis, k)).transpose()
         };
-        line.position
-            .push(reading(|axis, k| axis.position(&k.embedding))?);
+        line.position.push(reading(|axis, k| axis.position(&k.embedding))?);
         line.score.push(reading(|axis, k| axis.read(&k.embedding))?);
-        line.se
-            .push(known.as_ref().and_then(|k| k.sd_along(&direction)));
+        line.se.push(known.as_ref().and_then(|k| k.sd_along(&direction)));
     }
     Ok(Some(line))
 }

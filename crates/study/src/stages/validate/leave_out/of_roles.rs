@@ -27,29 +27,19 @@ pub(super) fn tables_of_roles(drives: &[Drove]) -> Result<Vec<ValidateTable>, St
         .collect();
     scored.sort_by(|a, b| b.1.total_cmp(&a.1));
     let (&(higher, most), others) = scored.split_first().ok_or_else(no_roles)?;
-    let lower: Vec<ConditionId> = others
-        .iter()
-        .filter(|(_, points)| *points < most)
-        .map(|(role, _)| *role)
-        .collect();
+    let lower: Vec<ConditionId> =
+        others.iter().filter(|(_, points)| *points < most).map(|(role, _)| *role).collect();
     let Some(&lowest) = lower.last() else {
         return Err(no_roles());
     };
-    let table = |id: String, asks| ValidateTable {
-        id,
-        asks,
-        ..ValidateTable::default()
-    };
+    let table = |id: String, asks| ValidateTable { id, asks, ..ValidateTable::default() };
     let mut tables = vec![ValidateTable {
         higher: Some(higher),
         lower,
         ..table("order".to_owned(), Asks::Order)
     }];
-    let mut repeated: Vec<ConditionId> = twice
-        .into_iter()
-        .filter(|(_, drives)| *drives > 1)
-        .map(|((role, _), _)| role)
-        .collect();
+    let mut repeated: Vec<ConditionId> =
+        twice.into_iter().filter(|(_, drives)| *drives > 1).map(|((role, _), _)| role).collect();
     repeated.dedup();
     if repeated.is_empty() {
         tables.push(ValidateTable {
@@ -65,10 +55,8 @@ pub(super) fn tables_of_roles(drives: &[Drove]) -> Result<Vec<ValidateTable>, St
             ..table(format!("identity-{role}"), Asks::Identity)
         });
         for (name, asks) in [("retest", Asks::Retest), ("errors", Asks::Errors)] {
-            tables.push(ValidateTable {
-                role: Some(role),
-                ..table(format!("{name}-{role}"), asks)
-            });
+            tables
+                .push(ValidateTable { role: Some(role), ..table(format!("{name}-{role}"), asks) });
         }
     }
     Ok(tables)

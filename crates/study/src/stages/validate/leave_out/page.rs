@@ -70,10 +70,7 @@ pub(super) fn page(
         glossary: glossary(),
         cards: cards.cards(&validation.findings)?,
         sections,
-        methods: Methods {
-            text: vec![say("method")?],
-            files: Vec::new(),
-        },
+        methods: Methods { text: vec![say("method")?], files: Vec::new() },
         warnings: warnings.to_vec(),
         provenance: Provenance {
             seed: Some(options.seed),

@@ -18,12 +18,8 @@ pub(super) fn tables(
 ) -> Result<Vec<(String, Vec<Table>)>, StudyError> {
     let section = |answered: &Answered| {
         let rule = &answered.asked;
-        let words = Words {
-            id: &rule.id,
-            people: validation.people_of(rule),
-            seen: rule.seen,
-            design,
-        };
+        let words =
+            Words { id: &rule.id, people: validation.people_of(rule), seen: rule.seen, design };
         let tables = match &answered.answer {
             None => Vec::new(),
             Some(Answer::Order(order)) => words.order(order)?,
@@ -110,24 +106,19 @@ impl Words<'_> {
             .right("*p*", |(_, r)| Cell::p(r.p))
             .right("Difference (SD)", |(_, r)| mean(r.difference))
             .right("95% CI", |(_, r)| ends(r.difference))
-            .right("*d*_{z}", |(_, r)| {
-                Cell::number(r.difference.and_then(|d| d.dz), 2)
-            })
+            .right("*d*_{z}", |(_, r)| Cell::number(r.difference.and_then(|d| d.dz), 2))
             .right("Beyond speed (SD)", |(_, r)| mean(r.beyond_speed))
             .right("95% CI ", |(_, r)| ends(r.beyond_speed))
             .noted(text("order", "note", &values)?);
-        let people = Table::of(
-            self.name("-people"),
-            text("people", "title", &values)?,
-            &order.people,
-        )
-        .text("Person", |p| p.participant.as_str())
-        .right("Right", |p| Cell::word(p.right, "yes", "no"))
-        .right("Line", |p| Cell::number(p.line, 2))
-        .right("SE", |p| Cell::number(p.line_se, 2))
-        .right("Mean speed (m/s)", |p| Cell::number(p.speed_mps, 2))
-        .right("Median time gap (s)", |p| Cell::number(p.time_gap_s, 2))
-        .noted(text("people", "note", &values)?);
+        let people =
+            Table::of(self.name("-people"), text("people", "title", &values)?, &order.people)
+                .text("Person", |p| p.participant.as_str())
+                .right("Right", |p| Cell::word(p.right, "yes", "no"))
+                .right("Line", |p| Cell::number(p.line, 2))
+                .right("SE", |p| Cell::number(p.line_se, 2))
+                .right("Mean speed (m/s)", |p| Cell::number(p.speed_mps, 2))
+                .right("Median time gap (s)", |p| Cell::number(p.time_gap_s, 2))
+                .noted(text("people", "note", &values)?);
         Ok(vec![table, people])
     }
 
@@ -156,9 +147,7 @@ impl Words<'_> {
             .text("Read by", |(name, _)| name.clone())
             .right("Found", |(_, r)| Cell::count(r.hits))
             .right("Of", |(_, r)| Cell::count(r.n))
-            .right("Chance (%)", |(_, r)| {
-                percent((r.n > 0).then_some(r.chance))
-            })
+            .right("Chance (%)", |(_, r)| percent((r.n > 0).then_some(r.chance)))
             .right("%", |(_, r)| percent(r.share.map(|s| s.estimate)))
             .right("95% CI (%)", |(_, r)| {
                 interval(r.share.map(|s| (100.0 * s.low, 100.0 * s.high)), 0)
@@ -189,9 +178,7 @@ impl Words<'_> {
             })
             .right("SDC", |m| Cell::number(icc(m, |i| Some(i.sdc)), 3))
             .right("ICC(2,1)", |m| Cell::bounded(icc(m, |i| i.icc), 2))
-            .right("95% CI ", |m| {
-                interval(icc(m, |i| i.ci.low).zip(icc(m, |i| i.ci.high)), 2)
-            })
+            .right("95% CI ", |m| interval(icc(m, |i| i.ci.low).zip(icc(m, |i| i.ci.high)), 2))
             .noted(text("retest", "note", &values)?);
         Ok(vec![table])
     }
@@ -210,9 +197,7 @@ impl Words<'_> {
             .right("Within standard errors", |(k, _, _)| Cell::count(*k))
             .right("Coordinates", |(_, count, _)| Cell::count(*count))
             .right("%", |(_, count, _)| percent(fraction(*count)))
-            .right("Expected (%)", |(_, _, expected)| {
-                Cell::number(Some(*expected), 1)
-            })
+            .right("Expected (%)", |(_, _, expected)| Cell::number(Some(*expected), 1))
             .noted(text("errors", "note", &values)?);
         Ok(vec![table])
     }
@@ -272,10 +257,7 @@ impl Words<'_> {
                 people = people.right(head, move |p| Cell::number(change(p)[axis], 2));
             }
         }
-        Ok(vec![
-            table,
-            people.noted(text("direction", "people_note", &values)?),
-        ])
+        Ok(vec![table, people.noted(text("direction", "people_note", &values)?)])
     }
 
     fn shipped(&self, shipped: &Shipped, rule: &ValidateTable) -> Result<Vec<Table>, StudyError> {
@@ -299,23 +281,18 @@ impl Words<'_> {
         }
         let table = Table::of(self.name(""), text("shipped", "title", &values)?, rows)
             .text("Read", |(name, _, _)| name.clone())
-            .right("Neither drive beyond", |(_, within, _)| {
-                Cell::count(*within)
-            })
+            .right("Neither drive beyond", |(_, within, _)| Cell::count(*within))
             .right("One of them beyond", |(_, _, beyond)| Cell::count(*beyond))
             .noted(text("shipped", "note", &values)?);
         let word = |beyond| Cell::word(beyond, "yes", "no");
-        let people = Table::of(
-            self.name("-people"),
-            text("shipped", "people", &values)?,
-            &shipped.people,
-        )
-        .text("Person", |p: &&ShippedPerson| p.participant.as_str())
-        .right("Line", |p| Cell::number(p.line, 2))
-        .right("SE", |p| Cell::number(p.line_se, 2))
-        .right("Ordinary drive beyond", |p| word(p.ordinary_beyond))
-        .right("Other drive beyond", |p| word(p.higher_beyond))
-        .noted(text("shipped", "people_note", &values)?);
+        let people =
+            Table::of(self.name("-people"), text("shipped", "people", &values)?, &shipped.people)
+                .text("Person", |p: &&ShippedPerson| p.participant.as_str())
+                .right("Line", |p| Cell::number(p.line, 2))
+                .right("SE", |p| Cell::number(p.line_se, 2))
+                .right("Ordinary drive beyond", |p| word(p.ordinary_beyond))
+                .right("Other drive beyond", |p| word(p.higher_beyond))
+                .noted(text("shipped", "people_note", &values)?);
         Ok(vec![table, people])
     }
 }
@@ -327,8 +304,5 @@ pub(super) fn intro(answered: &Answered) -> Result<Vec<String>, StudyError> {
         unanswered => answered.unanswered.clone(),
     };
     let intro = text("page", "intro", &values)?;
-    Ok(Some(intro)
-        .filter(|i| !i.trim().is_empty())
-        .into_iter()
-        .collect())
+    Ok(Some(intro).filter(|i| !i.trim().is_empty()).into_iter().collect())
 }

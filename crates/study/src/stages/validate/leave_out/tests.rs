@@ -41,11 +41,7 @@ fn elsewhere(folder: &Path) -> std::path::PathBuf {
         .map(|drive| maveric_model::TrainingDrive {
             drive,
             adb: maveric_domain::ScoreRange::ADB
-                .score(if drive.meta().condition.as_str() == "sporty" {
-                    45.0
-                } else {
-                    20.0
-                })
+                .score(if drive.meta().condition.as_str() == "sporty" { 45.0 } else { 20.0 })
                 .ok(),
         })
         .collect();
@@ -63,20 +59,14 @@ fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whate
     let mut options = options(folder.path());
     let found = run(&options).unwrap().value;
     let ids: Vec<&str> = found.tables.iter().map(|t| t.asked.id.as_str()).collect();
-    assert_eq!(
-        ids,
-        ["order", "identity-calm", "retest-calm", "errors-calm"]
-    );
+    assert_eq!(ids, ["order", "identity-calm", "retest-calm", "errors-calm"]);
     let Some(Answer::Order(order)) = &found.tables[0].answer else {
         panic!("{:?}", found.tables[0]);
     };
     let line = order.by(By::Line).unwrap();
     assert_eq!(line.n, 6);
     assert!(line.right >= 5, "{order:?}");
-    assert!(
-        line.p.unwrap() < 0.5 && order.permutations == 20,
-        "{order:?}"
-    );
+    assert!(line.p.unwrap() < 0.5 && order.permutations == 20, "{order:?}");
     let Some(Answer::Retest { measures, .. }) = &found.tables[2].answer else {
         panic!("{:?}", found.tables[2]);
     };
@@ -87,15 +77,8 @@ fn six_people_told_to_drive_differently_are_placed_recognised_and_repeated_whate
         panic!("{:?}", found.tables[3]);
     };
     // A coordinate of which a short drive says nothing is not counted.
-    assert!(
-        errors.pairs == 6 && (12..=18).contains(&errors.coordinates),
-        "{errors:?}"
-    );
-    let questions: Vec<String> = found
-        .findings
-        .iter()
-        .map(|f| f.question.to_string())
-        .collect();
+    assert!(errors.pairs == 6 && (12..=18).contains(&errors.coordinates), "{errors:?}");
+    let questions: Vec<String> = found.findings.iter().map(|f| f.question.to_string()).collect();
     assert_eq!(questions, ["order", "beyond-speed", "recognised"]);
     let read = |name: &str| std::fs::read_to_string(options.out.join(name)).unwrap();
     let (json, page) = (read("validation.json"), read("index.html"));
@@ -113,10 +96,7 @@ fn whoever_drove_once_and_a_drive_that_shows_nothing_are_named_and_left_out_of_w
     // P5 has no sporty drive, and P4 stood still in it.
     let mut kept: Vec<Drive> = drives().to_vec();
     kept.retain(|d| d.meta().drive.as_str() != "P5-sporty");
-    let standing = kept
-        .iter_mut()
-        .find(|d| d.meta().drive.as_str() == "P4-sporty")
-        .unwrap();
+    let standing = kept.iter_mut().find(|d| d.meta().drive.as_str() == "P4-sporty").unwrap();
     *standing = standing.slice(0, 30).unwrap();
     let folder = study(&kept);
     let outcome = run(&options(folder.path())).unwrap();
@@ -125,10 +105,7 @@ fn whoever_drove_once_and_a_drive_that_shows_nothing_are_named_and_left_out_of_w
     };
     assert!(order.by(By::Line).unwrap().n <= 5);
     let said = outcome.warnings.join("\n");
-    assert!(
-        said.contains("P5 is not counted: no drive in the role `sporty`"),
-        "{said}"
-    );
+    assert!(said.contains("P5 is not counted: no drive in the role `sporty`"), "{said}");
     assert!(said.contains("P4-sporty"), "{said}");
 }
 
@@ -137,24 +114,14 @@ fn too_few_people_and_roles_that_nobody_drove_are_said_and_their_tables_stay_emp
     let folder = study(&drives()[..6]);
     let found = run(&options(folder.path())).unwrap();
     let why = found.value.tables[0].unanswered.as_ref().unwrap();
-    assert!(
-        why.contains("2 people") && why.contains("at least 3"),
-        "{why}"
-    );
+    assert!(why.contains("2 people") && why.contains("at least 3"), "{why}");
     assert!(found.value.findings.is_empty());
-    let calm = drives()
-        .iter()
-        .filter(|d| d.meta().condition.as_str() == "calm");
+    let calm = drives().iter().filter(|d| d.meta().condition.as_str() == "calm");
     let said = run(&options(study(calm).path())).unwrap_err();
     assert!(said.to_string().contains("no two roles"), "{said}");
     let folder = study([]);
     std::fs::create_dir_all(folder.path().join("drives")).unwrap();
-    assert!(
-        run(&options(folder.path()))
-            .unwrap_err()
-            .to_string()
-            .contains("holds no drives")
-    );
+    assert!(run(&options(folder.path())).unwrap_err().to_string().contains("holds no drives"));
 }
 
 /// Declares what the tables of a study's design are.
@@ -205,32 +172,20 @@ fn the_dial_is_driven_beside_directions_and_a_model_from_elsewhere_is_asked_what
     );
     declare(folder.path(), &text);
     let without = run(&options).unwrap().value;
-    assert!(
-        without.tables[1]
-            .unanswered
-            .as_ref()
-            .unwrap()
-            .contains("--model")
-    );
+    assert!(without.tables[1].unanswered.as_ref().unwrap().contains("--model"));
     options.models = vec![model];
     let found = run(&options).unwrap().value;
     let Some(Answer::Direction { found: way, .. }) = &found.tables[0].answer else {
         panic!("{:?}", found.tables[0]);
     };
     assert_eq!((way.people.len(), way.directions), (2, 50));
-    assert!(
-        way.people[0].own[0].unwrap() > 0.0 && way.dial.is_some(),
-        "{way:?}"
-    );
+    assert!(way.people[0].own[0].unwrap() > 0.0 && way.dial.is_some(), "{way:?}");
     assert_eq!(found.findings[0].verdict, maveric_analysis::Verdict::TooFew);
     let Some(Answer::Shipped(said)) = &found.tables[1].answer else {
         panic!("{:?}", found.tables[1]);
     };
     assert_eq!(said.n, 6);
-    assert!(
-        said.people.iter().filter(|p| p.line.unwrap() > 0.0).count() >= 5,
-        "{said:?}"
-    );
+    assert!(said.people.iter().filter(|p| p.line.unwrap() > 0.0).count() >= 5, "{said:?}");
     let page = std::fs::read_to_string(options.out.join("index.html")).unwrap();
     assert!(page.contains("Does the dial point where people themselves go"));
 }
@@ -252,10 +207,7 @@ fn all_six(folder: &Path) {
         ),
         of("shipped", pair),
     ];
-    declare(
-        folder,
-        &format!("[validate]\npermutations = 5\n{}", tables.concat()),
-    );
+    declare(folder, &format!("[validate]\npermutations = 5\n{}", tables.concat()));
 }
 
 #[test]
@@ -277,12 +229,8 @@ fn a_drive_without_lanes_and_one_without_anybody_ahead_are_named_in_every_table_
     options.models = vec![elsewhere(folder.path())];
     let outcome = run(&options).unwrap();
     let found = outcome.value;
-    let unanswered: Vec<&str> = found
-        .tables
-        .iter()
-        .filter(|t| t.answer.is_none())
-        .map(|t| t.asked.id.as_str())
-        .collect();
+    let unanswered: Vec<&str> =
+        found.tables.iter().filter(|t| t.answer.is_none()).map(|t| t.asked.id.as_str()).collect();
     assert!(unanswered.is_empty(), "{unanswered:?}");
     let named = outcome.warnings.join("\n");
     for wanted in [
@@ -332,9 +280,6 @@ fn a_model_of_too_few_people_says_that_support_is_not_known() {
     let markdown = std::fs::read_to_string(options.out.join("validation.md")).unwrap();
     for text in [outcome.warnings.join("\n"), markdown] {
         let says = |words: &str| text.contains(words);
-        assert!(
-            says("support is not known") && says("6 people, too few to say"),
-            "{text}"
-        );
+        assert!(says("support is not known") && says("6 people, too few to say"), "{text}");
     }
 }
