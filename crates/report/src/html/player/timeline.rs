@@ -203,7 +203,7 @@ mod tests {
     fn the_moment_is_the_first_whole_second_at_which_most_follow_somebody() {
         let of = |gap: &dyn Fn(usize) -> f64| {
             let gap_m: Vec<_> = (0..51).map(|i| Some(gap(i))).collect();
-            sampled(&[50.0; 51], &gap_m, 51)
+            sampled(&[50.0; 51], &gap_m, 49)
         };
         let first = of(&|i| if i < 11 { 61.0 } else { 20.0 });
         let second = of(&|i| if i < 21 { 4.9 } else { 5.0 });
