@@ -296,19 +296,6 @@ fn who_has_no_order_is_not_counted_where_the_model_takes_the_period() {
 }
 
 #[test]
-fn a_row_written_before_curves_and_what_was_perceived_is_read() {
-    let analysis = analysed(liked(24, |_| 1.0, 0.01));
-    let mut before = serde_json::to_value(row(&analysis)).unwrap();
-    for key in ["less_is_better", "perceived", "curves"] {
-        let had = before.as_object_mut().unwrap().remove(key);
-        assert!(had.is_some(), "{key}");
-    }
-    let read: CongruenceRow = serde_json::from_value(before).unwrap();
-    assert!(read.is_judged() && !read.less_is_better && read.curves.is_empty());
-    assert_eq!(read.n, row(&analysis).n);
-}
-
-#[test]
 fn curves_are_those_of_the_model_over_what_was_met_and_as_the_rating_is_keyed() {
     let analysis = analysed(liked(24, |own| 0.3 * (own - 30.0), 0.01));
     let near = row(&analysis);
