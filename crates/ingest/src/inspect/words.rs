@@ -148,7 +148,9 @@ pub(super) fn words(name: &str) -> Words {
         Some(What::Lateral)
     } else if has("location site recording run scenario trial period") {
         Some(What::Group)
-    } else if has("spacing gap ivs headway dhw clearance distance") {
+    } else if has("spacing gap ivs headway dhw clearance distance")
+        || whose == Whose::Lead && has("dx")
+    {
         (!gap_in_time).then_some(What::Gap)
     } else if has("length len laenge fahrzeuglaenge") {
         Some(What::Length)
@@ -227,6 +229,8 @@ mod tests {
             ("a_leader", Whose::Lead, None),
             ("leader_length", Whose::Lead, Some(What::Length)),
             ("spacing", Whose::Ego, Some(What::Gap)),
+            ("lead_dx_m", Whose::Lead, Some(What::Gap)),
+            ("lead_dy_m", Whose::Lead, None),
             ("dv", Whose::Ego, None),
             ("Vehicle_ID", Whose::Ego, Some(What::Id)),
             ("Global_Time", Whose::Ego, Some(What::Time)),
