@@ -140,25 +140,37 @@ fn where_no_drive_is_let_in_the_rule_is_to_be_changed_or_the_names() {
     let named = named.replace("condition = \"own\"", "condition = \"{condition}\"");
     let mapping = folder.path().join("mapping.toml");
     std::fs::write(&mapping, named).unwrap();
-    let help = |conditions: [&str; 2], rest: &str| {
+    let error = |conditions: [&str; 2], rest: &str, logs: &[&PathBuf]| {
         let condition = |id: &str| format!("[[condition]]\nid = \"{id}\"\n");
         let text = conditions.map(condition).concat();
         std::fs::write(&design, format!("[study]\ntitle = \"t\"\n{text}{rest}")).unwrap();
         let options = Ingest {
-            logs: vec![log.clone()],
+            logs: logs.iter().map(|log| (*log).clone()).collect(),
             design: Some(design.clone()),
             out: folder.path().join("drives"),
             mapping: Some(mapping.clone()),
             jobs: 1,
             ..Ingest::default()
         };
-        let error = options.run(Watch::unwatched()).unwrap_err();
-        error.suggestion().unwrap()
+        options.run(Watch::unwatched()).unwrap_err()
     };
+    let help =
+        |conditions: [&str; 2], rest: &str| error(conditions, rest, &[&log]).suggestion().unwrap();
     let short = help(["calm", "sporty"], "[exclude]\ndrive_shorter_than_s = 300\n");
-    assert!(short.contains("by exclude.drive_shorter_than_s: change the rule"), "{short}");
+    assert!(
+        short.contains("change the rule in the study (exclude.drive_shorter_than_s)"),
+        "{short}"
+    );
     let unknown = help(["bold", "sporty"], "");
     assert!(unknown.contains("[names] of the mapping"), "{unknown}");
+    // A log that could not be read is a reason of its own.
+    let broken = folder.path().join("P02-calm.csv");
+    std::fs::write(&broken, "no,table\nof,ours\n").unwrap();
+    let exclude = "[exclude]\ndrive_shorter_than_s = 300\n";
+    let both = error(["calm", "sporty"], exclude, &[&log, &broken]).to_string();
+    assert!(both.contains("P01-calm: ") && both.contains("1 log could not be ingested"), "{both}");
+    let one = error(["calm", "sporty"], exclude, &[&log]).to_string();
+    assert!(one.contains("P01-calm: ") && !one.contains("could not be ingested"), "{one}");
 }
 
 #[test]
