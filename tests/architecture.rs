@@ -18,8 +18,7 @@ fn allowed(name: &str) -> Vec<&'static str> {
         "report" => "domain stats",
         // What judges cannot read what answered.
         "analysis" => "domain stats measures",
-        "following" => "domain laws",
-        "simulator" => "domain laws",
+        "following" | "simulator" => "domain laws",
         "steering" => "domain model simulator",
         "rehearsal" => "domain stats analysis measures participants",
         // Words alone: what was decided comes from below.

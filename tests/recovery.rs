@@ -29,8 +29,7 @@ fn correlation(pairs: &[(f64, f64)]) -> f64 {
     xy / (sum(&|p| (p.0 - mx).powi(2)) * sum(&|p| (p.1 - my).powi(2))).sqrt()
 }
 
-/// The page shows the own drive and the four conditions, the scene stands in the logs of that participant alone, and what
-/// is read back from the logs is the same drive.
+/// The page shows the own drive and the four conditions, and the logs hold the same drives.
 fn one_participant_is_watched(study: &TempStudy) {
     let read = |path: &str| std::fs::read(study.path(path)).unwrap();
     let page = String::from_utf8(read("d/watch.html")).unwrap();
@@ -45,8 +44,6 @@ fn one_participant_is_watched(study: &TempStudy) {
         let log = read(path);
         log.windows(topic.len()).any(|part| part == topic)
     };
-    assert!(has("d/av/logs/S2P02-mimic.mcap", b"/maveric/scene/cars"));
-    assert!(!has("d/av/logs/S2P01-mimic.mcap", b"/maveric/scene/cars"));
     assert!(has("d/av/logs/S2P01-mimic.mcap", b"/maveric/decisions"));
     let logs = "inspect d/logs/study2/S2P02-own.mcap d/av/logs/S2P02-mimic.mcap d/av/logs/S2P02-aggressive.mcap d/av/logs/S2P02-cautious.mcap d/av/logs/S2P02-perpendicular.mcap --watch d/again.html";
     study.maveric(&argv(logs)).ok();

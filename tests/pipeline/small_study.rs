@@ -207,7 +207,7 @@ fn people_who_drove_twice_validate_a_model_and_their_first_drives_stay_what_they
     assert!((3..=30).contains(&days), "{days}");
     assert_eq!(model["dial"].as_array().unwrap().len(), 5);
     assert!(model["perpendicular_moves_s"].as_f64().unwrap() < 1e-5);
-    assert_eq!(model["drives"], 3 * (9 + 5));
+    assert_eq!(model["drives"], 3 * (8 + 5));
     assert_eq!(model["collisions"], 0);
     // A model of a score from 1 to 6 is read on the ADB's scale, on which these people answered.
     let learned = model_file::from_bytes(&log("model.maveric")).unwrap();

@@ -48,7 +48,7 @@ impl Entry {
         match self {
             Self::Onto { .. } => {}
             Self::Begun { key, stage, outputs, from } => {
-                ledger.begin(&key, &stage, &outputs, &from)
+                ledger.begin(&key, &stage, &outputs, &from);
             }
             Self::Finished { key, record } => {
                 ledger.left.remove(&key);

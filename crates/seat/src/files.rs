@@ -204,7 +204,6 @@ impl Files {
             trace: &again.rollout.trace,
             attached: Some((RECORD, lines.as_bytes())),
             note,
-            ..Beside::default()
         };
         Ok(atomic_write(&path, |file| {
             Ok(write_mcap_with(&again.rollout.recording, &meta, &beside, file)?)

@@ -140,8 +140,12 @@ mod tests {
             json!({"name": head.name, "family": head.family, "common": common, "slopes": [0.0], "between_sd": 1.0, "within_sd": 0.0, "events": 1, "drives": 1})
         });
         let heads: Vec<_> = heads.collect();
+        let covariance: Vec<f64> = (0..36).map(|at| f64::from(u8::from(at % 7 == 0))).collect();
         let model: Model = serde_json::from_value(json!({
-            "embedding_size": 1, "score_range": [11.0, 55.0], "training": [], "heads": {"linear": {"heads": heads, "style": null}},
+            "embedding_size": 1, "score_range": [11.0, 55.0], "training": [],
+            "population": {"people": 1, "mean": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], "covariance": covariance},
+            "posted": {"free_speed": "absolute", "lowest_mps": 20.0, "highest_mps": 40.0, "mean_mps": 30.0},
+            "heads": {"linear": {"heads": heads, "style": null}},
         }))
         .unwrap();
         let habits = Habits::new(&model, &Embedding::new(vec![0.0]).unwrap()).unwrap();

@@ -109,10 +109,13 @@ mod tests {
             json!({"name": head.name, "family": head.family, "common": common, "slopes": [0.1, 0.1], "between_sd": 1.0, "within_sd": 1.0, "events": 9, "drives": 3})
         });
         let heads: Vec<_> = heads.collect();
+        let covariance: Vec<f64> = (0..36).map(|at| f64::from(u8::from(at % 7 == 0))).collect();
         serde_json::from_value(json!({
             "embedding_size": 2,
             "score_range": [11.0, 55.0],
             "training": training,
+            "population": {"people": 10, "mean": [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], "covariance": covariance},
+            "posted": {"free_speed": "absolute", "lowest_mps": 20.0, "highest_mps": 40.0, "mean_mps": 30.0},
             "heads": {"linear": {
                 "heads": heads,
                 "style": {

@@ -85,7 +85,7 @@ fn interventions(decisions: &[Decision], end_s: f64) -> Vec<InterventionSpan> {
     for decision in decisions {
         match decision.kind {
             DecisionKind::SafetyBrakes => {
-                out.push(InterventionSpan { start_s: decision.time_s, end_s })
+                out.push(InterventionSpan { start_s: decision.time_s, end_s });
             }
             DecisionKind::SafetyReleases => {
                 if let Some(last) = out.last_mut() {
@@ -106,7 +106,7 @@ pub fn braking(trace: &[TraceRow]) -> Vec<InterventionSpan> {
         match out.last_mut() {
             Some(last) if before => last.end_s = row.time_s,
             _ if row.braked => {
-                out.push(InterventionSpan { start_s: row.time_s, end_s: row.time_s })
+                out.push(InterventionSpan { start_s: row.time_s, end_s: row.time_s });
             }
             _ => {}
         }

@@ -191,10 +191,10 @@ fn say(event: &Event<'_>) {
             tell!("[{settled}/{wanted}] {stage}: done in {seconds:.1} s{memory}");
         }
         Event::Retried { stage, cause, retry, retries } => {
-            tell!("{stage}: {cause}; retry {retry} of {retries}")
+            tell!("{stage}: {cause}; retry {retry} of {retries}");
         }
         Event::Restored { stage, settled, wanted } => {
-            tell!("[{settled}/{wanted}] {stage}: taken from the cache")
+            tell!("[{settled}/{wanted}] {stage}: taken from the cache");
         }
         Event::Submitted { job, stage, tasks } => {
             let tasks = if *tasks == 1 { String::new() } else { format!(" ({tasks} tasks)") };

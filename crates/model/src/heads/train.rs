@@ -2,7 +2,6 @@
 
 use super::{
     fit::{DriveEvents, fit},
-    fitted::FittedHead,
     kept_back::kept_back,
     learned_from::{length_s, posted},
     list::{HEADS, events_of},
@@ -16,10 +15,9 @@ use crate::{
     model::{Heads, LinearHeads, Model, ModelParts, TrainingEmbedding},
     on_range::range_of,
     params::TrainSettings,
-    posted::{FreeSpeed, Posted},
     training_report::{Trained, TrainingReport},
 };
-use maveric_domain::{Drive, Embedding, ParticipantId, StyleScore};
+use maveric_domain::{Embedding, ParticipantId, StyleScore};
 use std::collections::BTreeSet;
 
 /// Learns the linear heads, S, and where the drives lie in style space by their driving alone.

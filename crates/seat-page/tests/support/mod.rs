@@ -17,10 +17,16 @@ pub(crate) fn model() -> Model {
         json!({"name": head.name, "family": head.family, "common": common, "slopes": [slope], "between_sd": 1.0, "within_sd": 1.0, "events": 9, "drives": 3})
     });
     let heads: Vec<_> = heads.collect();
+    // A population so wide that every drive is inside it.
+    let n = HEADS.len();
+    let covariance: Vec<f64> =
+        (0..n * n).map(|at| if at % (n + 1) == 0 { 100.0 } else { 0.0 }).collect();
     serde_json::from_value(json!({
         "embedding_size": 1,
         "score_range": [11.0, 55.0],
         "training": [],
+        "population": {"people": 3, "mean": vec![0.0; n], "covariance": covariance},
+        "posted": {"free_speed": "absolute", "lowest_mps": 20.0, "highest_mps": 40.0, "mean_mps": 30.0},
         "heads": {"linear": {
             "heads": heads,
             "style": {

@@ -202,7 +202,7 @@ impl Script {
             }
             "elsewhere" => sent(format!("/api/{token}/answer/{at}"), "{\"seconds\":300}"),
             "screen" | "computer" => {
-                sent(format!("/api/{token}/answer/{at}"), r#"{"refused":null,"seconds":4.5}"#)
+                sent(format!("/api/{token}/answer/{at}"), r#"{"refused":null,"seconds":4.5}"#);
             }
             "scale" => {
                 let items = step["items"].as_array().unwrap().iter();
