@@ -48,7 +48,7 @@ pub struct Forgotten {
 /// [`crate::forgotten::FORGOTTEN_FILE`], first of all, so that what was begun can be ended by the same call.
 ///
 /// A person of whom nothing is there is forgotten too. Of the design itself nothing is changed; what was given away before is not
-/// undone; a folder or bucket of `maveric run --cache` outside the study's folder is not looked into.
+/// undone; a folder of `maveric run --cache` outside the study's folder is not looked into.
 ///
 /// # Errors
 /// [`StudyError`] where a file cannot be read, changed or removed, a run is under way, or the study is no folder; calling again goes on.
