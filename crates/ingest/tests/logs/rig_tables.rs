@@ -117,7 +117,7 @@ fn drive_file_keeps_what_the_rig_sees() {
     assert_eq!(found[0].recording.sees(), "ahead behind".parse().unwrap());
     let drive = drive_of(&found[0]);
     assert_eq!(kept(&drive), drive);
-    // As older files are, which say nothing.
+    // A file whose rig sees everything says nothing.
     let all = drive.seen_by(Sees::ALL);
     assert_eq!(kept(&all).sees(), Sees::ALL);
     let bytes = std::fs::read(&path).unwrap();
