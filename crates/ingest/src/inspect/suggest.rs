@@ -89,7 +89,8 @@ impl Trial {
         };
         let drives = read_log(path, &settings)?;
         let rows: usize = drives.iter().map(|d| d.recording.rows()).sum();
-        let mut read = format!("# Read by it: {} drives, {rows} rows.\n", drives.len());
+        let s = if drives.len() == 1 { "" } else { "s" };
+        let mut read = format!("# Read by it: {} drive{s}, {rows} rows.\n", drives.len());
         let warnings = || drives.iter().flat_map(|d| &d.warnings);
         for warning in warnings().take(5) {
             let what = plain(&warning.what);

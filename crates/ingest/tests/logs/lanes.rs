@@ -341,7 +341,7 @@ fn proposal_takes_a_column_that_jumps_for_a_place_in_the_lane() {
     ] {
         assert!(toml.contains(&format!("{line}\n")), "{toml}");
     }
-    assert!(toml.contains("Read by it: 1 drives"), "{toml}");
+    assert!(toml.contains("Read by it: 1 drive,"), "{toml}");
     assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
     let text = table("t,ego_speed,gap,lead_speed,lateral", |t| {
         format!("{},40,25,{}", 25.0 + (0.3 * t).sin(), across_m(t))

@@ -342,7 +342,7 @@ mod tests {
         let ours = proposed("time_s,ego_x_m,ego_speed_mps,lead_dx_m,lead_speed_mps");
         for said in [
             "study_data/mappings/ours.toml",
-            "Read by it: 1 drives, 100 rows",
+            "Read by it: 1 drive, 100 rows",
             "gap = \"lead_dx_m\"",
             "# participant = ",
         ] {
