@@ -36,14 +36,14 @@ enum GraphFormat {
 
 impl Graph {
     pub(crate) fn run(self) -> Result<(), Failure> {
+        if matches!(self.format, GraphFormat::Schema) {
+            return print_json(&maveric_pipeline::schema());
+        }
         let pipeline = self.pipeline.read(&self.file)?;
         let graph =
             StageGraph::new(&pipeline).map_err(Failure::pipeline("could not order the stages"))?;
-        let text = match self.format {
-            GraphFormat::Dot => graph.dot(),
-            GraphFormat::Mermaid => graph.mermaid(),
-            GraphFormat::Schema => return print_json(&maveric_pipeline::schema()),
-        };
+        let is_mermaid = matches!(self.format, GraphFormat::Mermaid);
+        let text = if is_mermaid { graph.mermaid() } else { graph.dot() };
         print_lines(&[text.trim_end().to_owned()])
     }
 }
