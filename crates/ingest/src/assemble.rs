@@ -173,12 +173,21 @@ fn rows(
             max_gap_s: target.max_gap_s,
         });
     }
-    if !drive.sightings.is_empty() {
-        warnings.extend(keep_seen(path, &drive.sightings, &mut rows, target));
+    if let Some(sightings) = &drive.sightings {
+        if sightings.is_empty() {
+            let samples = drive.ego.len();
+            return Err(IngestError::Implausible {
+                path: path.to_owned(),
+                count: samples,
+                of: samples,
+                what: "the position of the named leader is unknown".to_owned(),
+            });
+        }
+        warnings.extend(keep_seen(path, sightings, &mut rows, target));
         if !is_drive(&rows) {
             return Err(IngestError::SeldomSeen {
                 path: path.to_owned(),
-                sightings: drive.sightings.len(),
+                sightings: sightings.len(),
                 max_gap_s: target.max_gap_s,
             });
         }

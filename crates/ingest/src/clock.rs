@@ -64,7 +64,7 @@ pub(crate) fn by_receipt(drive: &mut RawDrive) {
     each(&mut drive.ego);
     each(&mut drive.objects);
     each(&mut drive.speeds);
-    each(&mut drive.sightings);
+    drive.sightings.iter_mut().for_each(each);
 }
 
 /// How stamps and times of receipt run.
@@ -177,13 +177,10 @@ pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span>
         }
         stamp_ns.saturating_add(shifts[piece])
     };
-    let (objects, speeds, sightings) =
-        (&mut drive.objects, &mut drive.speeds, &mut drive.sightings);
-    for (stamps, nths) in [
-        (&mut objects.stamp_ns, &objects.nth),
-        (&mut speeds.stamp_ns, &speeds.nth),
-        (&mut sightings.stamp_ns, &sightings.nth),
-    ] {
+    let (objects, speeds) = (&mut drive.objects, &mut drive.speeds);
+    let sightings = drive.sightings.as_mut().map(|s| (&mut s.stamp_ns, &s.nth));
+    let others = [(&mut objects.stamp_ns, &objects.nth), (&mut speeds.stamp_ns, &speeds.nth)];
+    for (stamps, nths) in others.into_iter().chain(sightings) {
         for (stamp_ns, &nth) in stamps.iter_mut().zip(nths) {
             *stamp_ns = shift(nth, *stamp_ns);
         }

@@ -32,9 +32,9 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     order(path, "the others", &mut drive.objects, &mut warnings);
     order(path, "its speed", &mut drive.speeds, &mut warnings);
     // What was wrong with their order the others told.
-    if !drive.sightings.rises() {
-        drive.sightings.sort();
-        drive.sightings.dedup();
+    if let Some(sightings) = drive.sightings.as_mut().filter(|s| !s.rises()) {
+        sightings.sort();
+        sightings.dedup();
     }
     let start = drive.ego.stamp_ns.first().copied().unwrap_or(0);
     if !restarts.is_empty() {
@@ -47,12 +47,9 @@ pub(crate) fn synchronise(path: &Path, drive: &mut RawDrive, max_gap_s: f64) -> 
     if start == 0 {
         return warnings;
     }
-    for stamps in [
-        &mut drive.ego.stamp_ns,
-        &mut drive.objects.stamp_ns,
-        &mut drive.speeds.stamp_ns,
-        &mut drive.sightings.stamp_ns,
-    ] {
+    let sightings = drive.sightings.as_mut().map(|s| &mut s.stamp_ns);
+    let others = [&mut drive.ego.stamp_ns, &mut drive.objects.stamp_ns, &mut drive.speeds.stamp_ns];
+    for stamps in others.into_iter().chain(sightings) {
         for stamp_ns in stamps {
             *stamp_ns = stamp_ns.saturating_sub(start);
         }

@@ -34,8 +34,8 @@ pub(crate) struct RawDrive {
     pub(crate) objects: ObjectSamples,
     /// Ego's speeds from a channel of their own, in the order of the file; joined once all are on one clock.
     pub(crate) speeds: SpeedSamples,
-    /// When somebody looked who else is there; where it is empty every row of ego says it.
-    pub(crate) sightings: Sightings,
+    /// Times at which the others were observed; `None` if every row of ego is one.
+    pub(crate) sightings: Option<Sightings>,
     /// Of a table of a follower and its leader: what is worked out once its rows are in order; samples have the numbers of its
     /// rows, from 0.
     pub(crate) pair: Option<PairRows>,

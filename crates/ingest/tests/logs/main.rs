@@ -17,6 +17,7 @@ mod round_trip;
 mod simulators;
 mod split;
 mod tables;
+mod unknown_leaders;
 mod unseen;
 
 use maveric_domain::{DriveMeta, DrivenBy, EgoTrack, ObjectTrack, Recording, Road, VehicleId};

@@ -78,7 +78,7 @@ pub(super) fn drive_of(
     let mut drive = RawDrive {
         ego: ego.into_iter().map(|r| r.sample).collect(),
         objects: others.objects,
-        sightings: others.sightings,
+        sightings: Some(others.sightings).filter(|s| !s.is_empty()),
         speeds: speeds.into_iter().filter_map(speed_sample).collect(),
         ego_length_m,
         ego_among_objects: ego_among_objects && ego_id.is_none(),

@@ -87,12 +87,15 @@ pub(super) fn read(
             },
             ..RawDrive::default()
         };
+        let mut warnings = vehicle_warnings(path, vehicle);
+        let what = "rows name a leader that has no rows of its own at that time: whether the road is free is unknown";
+        report(&mut warnings, path, WarningKind::MissingValue, around.lost_leaders, what);
         drives.push(TableDrive {
             captures,
             lane_steps: fleet.lane_steps,
             road: meta.as_ref().map(|m| m.road(road, vehicle.sign, frame.y_left)),
             raw,
-            warnings: vehicle_warnings(path, vehicle),
+            warnings,
             gaps: gaps(vehicle),
         });
     }

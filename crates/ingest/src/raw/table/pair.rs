@@ -6,7 +6,7 @@ use crate::{
     mapping::{GapKind, Pair, Point},
     plausible::MOVING_MPS,
     quality::{WarningKind, report},
-    raw::{EgoSamples, LEADER, ObjectSample, PairRows, RawDrive},
+    raw::{EgoSample, EgoSamples, LEADER, ObjectSample, PairRows, RawDrive, Sighting},
 };
 use maveric_domain::Sees;
 use std::{collections::BTreeMap, path::Path};
@@ -207,6 +207,13 @@ pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
     };
     let with_leader = leader(&couple, &mut drive);
     let ego = ego(couple);
+    if !with_leader.lost_rows.is_empty() {
+        let is_lost = |nth: &u32| with_leader.lost_rows.binary_search(nth).is_ok();
+        let seen = ego.iter().filter(|s| !is_lost(&s.nth));
+        let sighting =
+            |s: EgoSample| Sighting { stamp_ns: s.stamp_ns, log_ns: s.log_ns, nth: s.nth };
+        drive.raw.sightings = Some(seen.map(sighting).collect());
+    }
     let without_ego = rows - ego.len();
     let objects = &drive.raw.objects;
     let several = objects.id.windows(2).any(|w| w[0] != w[1]);
@@ -217,6 +224,8 @@ pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
     report(&mut drive.warnings, path, kind, without_ego, what);
     let what = "rows without gap or speed of the leader have no leader";
     report(&mut drive.warnings, path, kind, with_leader.without, what);
+    let what = "rows hold a leader without its gap or speed: whether the road is free is unknown";
+    report(&mut drive.warnings, path, kind, with_leader.lost_rows.len(), what);
     let what = "rows with a gap and a speed of the leader of 0 have no leader: ego drives in some of them, so that 0 stands for nobody ahead";
     report(&mut drive.warnings, path, kind, with_leader.nobody, what);
     drive
@@ -252,8 +261,10 @@ impl Couple {
 /// What the rows of a leader say of it.
 #[derive(Default)]
 struct WithLeader {
-    /// Rows of ego that tell of a leader too little to know where it was.
+    /// Rows of ego without gap and speed of a leader.
     without: usize,
+    /// Rows of ego with a leader whose gap or speed is unknown, rising.
+    lost_rows: Vec<u32>,
     /// Rows of ego in which 0 stands for nobody.
     nobody: usize,
     /// Whether it was behind ego once.
@@ -277,7 +288,12 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
         let x_m = of_row(&couple.ego_x_m) + gap_m + if behind { -centres_m } else { centres_m };
         let speed_mps = couple.lead_speed_mps.as_ref().map(|s| s[row]);
         if !x_m.is_finite() || speed_mps.is_some_and(f64::is_nan) {
-            with_leader.without += 1;
+            // Who has a number or a gap is there.
+            if couple.lead_id.is_some() || gap_m.is_finite() {
+                with_leader.lost_rows.push(row as u32);
+            } else {
+                with_leader.without += 1;
+            }
             continue;
         }
         if zero_is_nobody && couple.is_zero(row) {

@@ -48,8 +48,10 @@ pub(super) struct Surroundings {
 #[derive(Debug, Default)]
 pub(super) struct Around {
     pub(super) objects: ObjectSamples,
-    /// Times at which somebody looked; none where that is always.
-    pub(super) sightings: Sightings,
+    /// Times at which the others were observed; `None` if that is always.
+    pub(super) sightings: Option<Sightings>,
+    /// Rows that name a leader whose position is unknown.
+    pub(super) lost_leaders: usize,
 }
 
 impl Seen {
@@ -101,6 +103,7 @@ impl Surroundings {
         let (mut first_ns, mut last_ns) = (None, None);
         let mut unseen: Vec<(i64, i64)> = Vec::new();
         let mut unnamed = Leaders::default();
+        let mut lost_ns = BTreeSet::new();
         let leads = vehicle.leads.iter().zip(&vehicle.lead_ids);
         for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(leads) {
             objects.extend(lead.map(|lead| lead_sample(&lead, &sample, numbers, &mut unnamed)));
@@ -116,6 +119,11 @@ impl Surroundings {
                 }
                 near.extend(observer.object(other, &o, numbers));
             }
+            if let Some(id) = lead_id.filter(|_| lead.is_none())
+                && !self.is_recorded(vehicles, (vehicle.group, id), sample.stamp_ns)
+            {
+                lost_ns.insert(sample.stamp_ns);
+            }
             near.sort_by(|a, b| a.0.total_cmp(&b.0));
             if lead.is_some() || !near.is_empty() {
                 last_ns = Some(sample.stamp_ns);
@@ -125,13 +133,11 @@ impl Surroundings {
         }
         unseen.dedup();
         blind_ends(vehicle, first_ns.zip(last_ns), &mut unseen);
+        let is_partial = !unseen.is_empty() || !lost_ns.is_empty();
         Around {
             objects,
-            sightings: if unseen.is_empty() {
-                Sightings::default()
-            } else {
-                seen_times(vehicle, &unseen)
-            },
+            sightings: is_partial.then(|| seen_times(vehicle, &unseen, &lost_ns)),
+            lost_leaders: lost_ns.len(),
         }
     }
 
@@ -156,6 +162,23 @@ impl Surroundings {
                 return None;
             }
             Some((other, at, self.at(other, at, stamp_ns)?))
+        })
+    }
+
+    /// Whether the vehicle of a group and name has a sample at a time, or one on either side of it that may be bridged.
+    fn is_recorded(&self, vehicles: &[Vehicle], name: (u32, u32), stamp_ns: i64) -> bool {
+        let half_step_ns = self.half_step_ns.get(&name.0).copied().unwrap_or(0);
+        let key = |v: &Vehicle| (v.group, v.id);
+        let from = vehicles.partition_point(|v| key(v) < name);
+        vehicles[from..].iter().take_while(|v| key(v) == name).any(|vehicle| {
+            let stamps = &vehicle.samples.stamp_ns;
+            let after = stamps.partition_point(|ns| *ns < stamp_ns);
+            let before = after.checked_sub(1).map(|i| stamps[i]);
+            let after = stamps.get(after).copied();
+            let is_near =
+                |ns: Option<i64>| ns.is_some_and(|ns| ns.abs_diff(stamp_ns) <= half_step_ns as u64);
+            let is_bridged = before.zip(after).is_some_and(|(a, b)| b - a <= self.max_gap_ns);
+            is_near(before) || is_near(after) || is_bridged
         })
     }
 
@@ -317,10 +340,11 @@ fn blind_ends(ego: &Vehicle, seen: Option<(i64, i64)>, unseen: &mut Vec<(i64, i6
     }
 }
 
-/// Ego's times but for those between which nobody looked.
-fn seen_times(ego: &Vehicle, unseen: &[(i64, i64)]) -> Sightings {
+/// Ego's times without those between which nobody looked and those whose leader is `lost`.
+fn seen_times(ego: &Vehicle, unseen: &[(i64, i64)], lost: &BTreeSet<i64>) -> Sightings {
     let mut hole = 0;
-    let times = ego.samples.stamp_ns.iter().copied().filter(|&ns| {
+    let known = ego.samples.stamp_ns.iter().copied().filter(|ns| !lost.contains(ns));
+    let times = known.filter(|&ns| {
         while unseen.get(hole).is_some_and(|(_, to)| *to <= ns) {
             hole += 1;
         }
