@@ -11,10 +11,10 @@ use crate::{
 use std::sync::Arc;
 
 /// How messages are encoded, and which numbers of them are wanted.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Codec(Plan);
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Plan {
     /// ROS 1 or ROS 2.
     Ros(plan::Plan),

@@ -4,28 +4,30 @@ use super::{
     caught::caught,
     wanted::{Slots, Taken, Tree, all_matched, name_number},
 };
-use prost_reflect::{DescriptorPool, FieldDescriptor, Kind, MessageDescriptor};
+use prost_reflect::{
+    DescriptorPool, FieldDescriptor, Kind, MessageDescriptor, Value as DefaultValue,
+};
 use std::collections::BTreeMap;
 
 /// Largest set of descriptors that is read, in bytes: unpacked they take some hundred times as much.
 const MOST_SCHEMA: usize = 256 << 10;
 
 /// Which numbers of a channel's messages are wanted.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Plan {
     root: Node,
     slots: Slots,
 }
 
 /// What is wanted of a message, by field number.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 struct Node {
     fields: BTreeMap<u64, Field>,
-    /// Slots of its own numbers, which are 0 where they are left out.
-    numbers: Vec<usize>,
+    /// Slots of its own numbers that have a value if they are left out, with that value.
+    defaults: Vec<(Vec<usize>, f64)>,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 struct Field {
     value: Value,
     /// Every element gives a row.
@@ -35,7 +37,7 @@ struct Field {
     repeated: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Value {
     Number(Kind),
     /// Slots that take a text as [`name_number`].
@@ -88,18 +90,39 @@ impl Plan {
 
 fn node(message: &MessageDescriptor, tree: &Tree, matched: &mut [bool]) -> Node {
     let mut fields = BTreeMap::new();
-    let mut numbers = Vec::new();
+    let mut defaults = Vec::new();
     for (name, below) in &tree.fields {
         let Some(descriptor) = message.get_field_by_name(name) else {
             continue;
         };
         let field = field(&descriptor, below, matched);
         if let (Value::Number(_), false) = (&field.value, field.repeated) {
-            numbers.extend(field.items.values().flatten());
+            let slots = field.items.values().flatten().copied().collect();
+            defaults.extend(value_if_left_out(&descriptor).map(|value| (slots, value)));
         }
         fields.insert(u64::from(descriptor.number()), field);
     }
-    Node { fields, numbers }
+    Node { fields, defaults }
+}
+
+/// Returns the value of a number that a message leaves out: its declared default, or 0.
+///
+/// `None` if the field has presence (`optional`, `oneof`) and no declared default: then it is unset.
+fn value_if_left_out(descriptor: &FieldDescriptor) -> Option<f64> {
+    if descriptor.supports_presence() && descriptor.field_descriptor_proto().default_value.is_none()
+    {
+        return None;
+    }
+    Some(match descriptor.default_value() {
+        DefaultValue::Bool(value) => f64::from(u8::from(value)),
+        DefaultValue::I32(value) | DefaultValue::EnumNumber(value) => f64::from(value),
+        DefaultValue::I64(value) => value as f64,
+        DefaultValue::U32(value) => f64::from(value),
+        DefaultValue::U64(value) => value as f64,
+        DefaultValue::F32(value) => f64::from(value),
+        DefaultValue::F64(value) => value,
+        _ => 0.0,
+    })
 }
 
 fn field(descriptor: &FieldDescriptor, tree: &Tree, matched: &mut [bool]) -> Field {
@@ -141,7 +164,9 @@ fn field(descriptor: &FieldDescriptor, tree: &Tree, matched: &mut [bool]) -> Fie
 impl Node {
     /// Takes what is wanted of a message; none where its bytes do not fit.
     fn walk(&self, bytes: &[u8], taken: &mut Taken) -> Option<()> {
-        taken.set_default(&self.numbers, 0.0);
+        for (slots, value) in &self.defaults {
+            taken.set_default(slots, *value);
+        }
         let mut wire = Wire(bytes);
         let mut places: BTreeMap<u64, usize> = BTreeMap::new();
         while !wire.0.is_empty() {

@@ -2,6 +2,7 @@ use super::*;
 use prost_reflect::prost::Message as _;
 use prost_reflect::prost_types::{
     DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet,
+    OneofDescriptorProto,
     field_descriptor_proto::{Label, Type},
 };
 
@@ -59,6 +60,48 @@ fn numbers_are_taken_and_those_left_out_are_zero() {
     assert_eq!(rows[0], [2.5, 0.0, -2.0, 1.5]);
     assert_eq!(rows[1][..3], [2.5, 0.0, 0.0]);
     assert!(rows[1][3].is_nan());
+}
+
+/// Descriptors of one message `p.Lead`, in a syntax, with the declared default of a field.
+fn lead_schema(syntax: &str, field: FieldDescriptorProto, default: Option<&str>) -> Vec<u8> {
+    let field = FieldDescriptorProto { default_value: default.map(str::to_owned), ..field };
+    let in_oneof = field.oneof_index.is_some();
+    let oneof = OneofDescriptorProto { name: Some("_speed".to_owned()), ..Default::default() };
+    let lead = DescriptorProto {
+        name: Some("Lead".to_owned()),
+        field: vec![field],
+        oneof_decl: if in_oneof { vec![oneof] } else { Vec::new() },
+        ..DescriptorProto::default()
+    };
+    let file = FileDescriptorProto {
+        name: Some("p.proto".to_owned()),
+        package: Some("p".to_owned()),
+        message_type: vec![lead],
+        syntax: Some(syntax.to_owned()),
+        ..FileDescriptorProto::default()
+    };
+    FileDescriptorSet { file: vec![file] }.encode_to_vec()
+}
+
+#[test]
+fn unset_field_with_presence_is_missing() {
+    let plain = field("speed", 1, Type::Double, "", false);
+    let in_oneof = FieldDescriptorProto { oneof_index: Some(0), ..plain.clone() };
+    let optional = FieldDescriptorProto { proto3_optional: Some(true), ..in_oneof.clone() };
+    let empty = |syntax: &str, field: &FieldDescriptorProto, default, path: &str| {
+        let schema = lead_schema(syntax, field.clone(), default);
+        let mut row = Vec::new();
+        let plan = Plan::compile("p.Lead", &schema, &[path]).unwrap();
+        plan.run(&[], &mut row, &mut |_| {}).map(|()| row[0])
+    };
+    for (syntax, field) in [("proto3", &optional), ("proto3", &in_oneof), ("proto2", &plain)] {
+        assert!(empty(syntax, field, None, "speed?").unwrap().is_nan(), "{syntax}");
+        let error = empty(syntax, field, None, "speed").unwrap_err();
+        assert!(error.contains("`speed`"), "{error}");
+    }
+    assert_eq!(empty("proto3", &plain, None, "speed").map(f64::to_bits), Ok(0));
+    let declared = empty("proto2", &plain, Some("2.5"), "speed").unwrap();
+    assert_eq!(declared.to_bits(), 2.5_f64.to_bits(), "the declared default");
 }
 
 #[test]

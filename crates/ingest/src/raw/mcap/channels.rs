@@ -6,7 +6,7 @@ use maveric_bag::{Channel, Codec, Message, OwnedSchema};
 use std::sync::Arc;
 
 /// How a channel is decoded.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Decoder {
     /// What it tells, if anything that we use.
     pub(crate) reading: Option<Reading>,
