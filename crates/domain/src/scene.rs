@@ -23,6 +23,16 @@ impl Road {
     /// The paper's road: two lanes of 12 ft (3.66 m), posted 55 mph (24.5872 m/s).
     pub const PAPER: Self = Self { lanes: 2, lane_width_m: 3.66, posted_speed_mps: 24.5872 };
 
+    /// Largest distance from a lane's centre that a place in that lane has, in lane widths.
+    ///
+    /// Readers cut off places beyond it, where a log says the lane and the place in it.
+    pub const WITHIN_LANE: f64 = 0.49;
+
+    /// Returns whether a place, in m from the centre of its lane, is where readers cut off places beyond the lane.
+    pub fn is_cut_off(&self, place_m: f64) -> bool {
+        (place_m.abs() - Self::WITHIN_LANE * self.lane_width_m).abs() < SAME_PLACE_M
+    }
+
     /// The lane in which a vehicle at lateral position `y_m` drives; none where its centre is half a lane or more beside the
     /// road: it is parked there, comes towards ego, or drives on another road. The centre of a lane that the road does not have is in none.
     pub fn lane_at(&self, y_m: f64) -> Option<u8> {

@@ -4,8 +4,6 @@ use crate::{error::IngestError, median::median, raw::RawDrive};
 use maveric_domain::Road;
 use std::{f64::consts::TAU, path::Path};
 
-/// Largest offset from a lane's centre that keeps a vehicle in its lane, in lane widths.
-pub(crate) const WITHIN_LANE: f64 = 0.49;
 /// Share of all samples that makes a lane a driven one: fewer are changes between two others.
 const LEAST_SHARE: f64 = 0.01;
 /// How well positions must gather around lanes of the given width, from 0 (evenly anywhere) to 1 (all on centres).
@@ -45,7 +43,7 @@ pub(crate) fn into_lanes(
         LaneShape::Edges(edges) => edges[1..edges.len() - 1].to_vec(),
         _ => centres.windows(2).map(|c| f64::midpoint(c[0], c[1])).collect(),
     };
-    let most = WITHIN_LANE * road.lane_width_m;
+    let most = Road::WITHIN_LANE * road.lane_width_m;
     let place = |y: f64| {
         let lane = edges.partition_point(|edge| *edge <= y);
         let offset = y - centres[lane];

@@ -403,3 +403,27 @@ fn time_of_a_proposal_is_told_by_its_name() {
         assert!(refused.contains("a time was not found"), "{refused}");
     }
 }
+
+#[test]
+fn places_beyond_the_lane_are_marked_as_cut_off() {
+    let mapping = "[road]\nlanes = 2\nlane_width_m = 3.5\nposted_speed_mps = 30.0\n[table]\nlayout = \"long\"\npoint = \"centre\"\n\
+        lanes_from = \"right\"\noffset_grows = \"left\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n\
+        [table.columns]\ntime = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\nlane = \"lane\"\noffset = \"off\"\n";
+    let mut text = "t,id,x,v,lane,off\n".to_owned();
+    for i in 0..600 {
+        let t = f64::from(i) / 20.0;
+        for id in 0..6 {
+            let centre = if id == 0 { 3.0 } else { 0.0 };
+            let (x, place) = (20.0 * t + 60.0 * f64::from(id), centre + 0.4 * t.sin());
+            writeln!(text, "{t},{id},{x},20,1,{place}").unwrap();
+        }
+    }
+    let found = mapped(mapping, &text).unwrap();
+    // Whether the drive shows that its places end at the lane's edge: then measures of the place have no value.
+    let is_cut_off = |drive: usize| {
+        let road = found[drive].recording.road();
+        found[drive].recording.ego().y_m.iter().all(|y| road.is_cut_off(*y))
+    };
+    let cut_off: Vec<bool> = (0..6).map(is_cut_off).collect();
+    assert_eq!(cut_off, [true, false, false, false, false, false]);
+}

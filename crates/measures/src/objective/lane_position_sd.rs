@@ -9,7 +9,8 @@ use maveric_domain::Drive;
 /// SDLP, the weaving of the car: Verster and Roth (2011), Standard operation procedures for conducting the on-the-road driving test, and
 /// measurement of the standard deviation of lateral position, by abstract and summary, where overtaking is cut out of the data too. Ours:
 /// only between changes of lane, less 2 s on both sides of each, and about the mean of
-/// each stretch between two changes, so that a person's place in one lane and in another are no wandering. From 5 Hz on.
+/// each stretch between two changes, so that a person's place in one lane and in another are no wandering. From 5 Hz on. A drive with
+/// places that were [cut off](maveric_domain::Road::is_cut_off) at the edge of the lane has none.
 pub(super) const MEASURE: Measure = Measure {
     name: "lane_position_sd_m",
     title: "Standard deviation of the lane position",
@@ -19,7 +20,7 @@ pub(super) const MEASURE: Measure = Measure {
     description: "Standard deviation of the place in the lane about its mean in each stretch between lane changes, less 2 s on both sides of a change.",
     of_passing: true,
     grows: false,
-    why_missing: "less than 10 s between lane changes, below 5 Hz, or a log without lateral positions",
+    why_missing: "less than 10 s between lane changes, below 5 Hz, a log without lateral positions, or places beyond the lane, which ingest cuts off at its edge",
     value,
 };
 
@@ -57,6 +58,9 @@ fn value(drive: &Drive) -> Option<f64> {
             None => stretches.push(vec![place_m(row)]),
         }
         goes_on = true;
+    }
+    if stretches.iter().flatten().any(|place| drive.road().is_cut_off(*place)) {
+        return None;
     }
     let n: usize = stretches.iter().map(Vec::len).sum();
     if (n as f64) < SHORTEST_S * drive.rate_hz() {
@@ -119,6 +123,21 @@ mod tests {
             rows.ego_y_m[79] = 7.0;
         };
         assert!(MEASURE.of(&wandering(10.0, 300, one_more)).unwrap() > 0.6);
+    }
+
+    #[test]
+    fn places_cut_off_have_no_value() {
+        let edge = 0.49 * Road::PAPER.lane_width_m;
+        let cut_off = |place: f64| {
+            MEASURE.of(&wandering(10.0, 200, |rows| {
+                rows.ego_y_m[50..60].fill(Road::PAPER.lane_centre_m(0) + place);
+            }))
+        };
+        assert_eq!(cut_off(edge), None);
+        assert_eq!(cut_off(-edge), None);
+        assert!(cut_off(0.9 * edge).is_some());
+        // Beside the road nothing is cut off.
+        assert!(cut_off(-1.1 * edge).is_some());
     }
 
     #[test]

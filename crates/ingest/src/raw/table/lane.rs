@@ -2,11 +2,11 @@
 
 use crate::{
     error::IngestError,
-    lane_centres::WITHIN_LANE,
     mapping::{RoadMapping, Side, TableMapping},
     plausible::refuse_many,
     quality::{Warning, WarningKind, report},
 };
+use maveric_domain::Road;
 use std::path::Path;
 
 /// Numbers that are nearer to a whole one, and places that are nearer to the edge of their lane, are rounded, in lanes and m.
@@ -74,7 +74,7 @@ impl Lanes {
 
     /// A distance from a lane's centre that stays in the lane, in m.
     pub(super) fn kept_m(&self, distance_m: f64) -> f64 {
-        let most_m = WITHIN_LANE * self.road.lane_width_m;
+        let most_m = Road::WITHIN_LANE * self.road.lane_width_m;
         distance_m.clamp(-most_m, most_m)
     }
 
