@@ -316,6 +316,31 @@ fn the_same_gap_comes_of_every_point_of_a_vehicle_and_of_every_kind_of_gap() {
 }
 
 #[test]
+fn corner_is_mirrored_where_forward_is_against_x() {
+    let keys = "point = \"corner\"\nforward = \"-x\"";
+    let dx_m = gaps_m("long", keys, "lead_x = \"lead\"", [2.0, 43.0], 0.0, -1.0);
+    assert!(dx_m.iter().all(|dx| near(*dx, 35.0)), "{dx_m:?}");
+    // Two cars, each with rows of its own, against the table's x in the lane around its y of -3.5 (left of y = 0 then).
+    let toml = format!(
+        "[road]\nlanes = 2\nlane_width_m = 3.5\nposted_speed_mps = 30.0\nframe = \"map\"\n[table]\nlayout = \"long\"\n{keys}\n\
+         y_grows = \"left\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\ntime = \"t\"\n\
+         id = \"id\"\nx = \"x\"\ny = \"y\"\nspeed = \"v\"\nlength = \"l\"\nwidth = \"b\"\n"
+    );
+    let mut text = "t,id,x,y,v,l,b\n".to_owned();
+    for i in 0..60 {
+        let t = f64::from(i) / 10.0;
+        for (id, centre_m, length_m) in [(1, 0.0, 4.0), (2, 50.0, 6.0)] {
+            let corner_m = -(centre_m + 20.0 * t) - 0.5 * length_m;
+            writeln!(text, "{t},{id},{corner_m},{},20,{length_m},1.8", -3.5 - 0.9).unwrap();
+        }
+    }
+    let found = mapped(&toml, &text).unwrap();
+    let rows = drive_of(&found[0]).rows().clone();
+    assert!(rows.lead_dx_m.iter().all(|dx| near(*dx, 45.0)), "{:?}", rows.lead_dx_m);
+    assert!(rows.ego_y_m.iter().all(|y| near(*y, 3.5)), "{:?}", rows.ego_y_m);
+}
+
+#[test]
 fn a_leader_is_as_far_beside_ego_as_its_column_says_wherever_ego_is() {
     let toml = "[road]\nlanes = 3\nlane_width_m = 3.5\nposted_speed_mps = 30.0\nframe = \"map\"\n[table]\nlayout = \"pair\"\n\
         gap_kind = \"bumper_to_bumper\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\n\

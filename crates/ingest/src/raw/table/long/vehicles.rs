@@ -113,8 +113,10 @@ fn vehicle(
             Point::Front => (x, y) = (x - 0.5 * length_m * cos, y - 0.5 * length_m * sin),
             Point::Rear => (x, y) = (x + 0.5 * length_m * cos, y + 0.5 * length_m * sin),
             Point::Corner => {
-                x = turn * (row.x_m + 0.5 * length_m);
-                y = turn * frame.y_left * (row.y_m + 0.5 * width_m);
+                // The smallest x and y of the table are the greatest if both axes are turned round.
+                let along = long.forward.sign();
+                x = turn * (row.x_m + along * 0.5 * length_m);
+                y = turn * frame.y_left * (row.y_m + along * 0.5 * width_m);
             }
             Point::Reference => {
                 let ahead = Some(row.centre_ahead_m).filter(|a| a.is_finite());
@@ -191,7 +193,7 @@ fn lead(
         match long.point {
             Point::Front => x - 0.5 * length_m,
             Point::Rear => x + 0.5 * length_m,
-            Point::Corner => x + 0.5 * sign * length_m,
+            Point::Corner => x + 0.5 * sign * long.forward.sign() * length_m,
             Point::Reference => x + long.centre_ahead_m.unwrap_or(0.0),
             Point::Centre => x,
         }
