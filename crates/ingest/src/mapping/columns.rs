@@ -66,7 +66,8 @@ pub struct LongColumns {
     pub time: String,
     /// Position along the road, or eastwards.
     pub x: String,
-    /// The vehicle's number or name, unless `{id}` stands in the names of columns.
+    /// The vehicle's number or name. Where `{id}` stands in the names of columns it is optional, and names the vehicle that a group of
+    /// columns holds in each row.
     pub id: Option<String>,
     /// What else a vehicle's number needs to be its own, such as the place.
     #[serde(default)]
@@ -144,7 +145,9 @@ impl LongColumns {
             Some((key, name)) if name.contains(Self::ID) => Err(format!(
                 "`table.columns.{key}` has `{{id}}`, which stands for vehicles' names in the columns of vehicles, `x` among them"
             )),
-            Some(("id", _)) => Err("`table.columns.id` does nothing where `{id}` in the names of columns tells vehicles apart: leave it out".to_owned()),
+            Some(("id", name)) => Err(format!(
+                "`table.columns.id` is `{name}` for all vehicles, expected a name with `{{id}}` as in `x`, or no `id` where the columns' names tell vehicles apart"
+            )),
             Some((key, name)) => Err(format!(
                 "`table.columns.{key}` is `{name}` for all vehicles, expected a name with `{{id}}` as in `x`"
             )),

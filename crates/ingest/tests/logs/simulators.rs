@@ -65,6 +65,54 @@ fn esminis_columns_of_each_vehicle_become_one_drive_of_ego_behind_the_other() {
     assert_eq!(drive.lane_changes().len(), 1);
 }
 
+/// A file of esmini whose vehicles of each time, by name, entity number and place ahead of ego, are in groups in that order.
+fn esmini_groups(vehicles: impl Fn(u32) -> Vec<(&'static str, u32, f64)>) -> String {
+    let columns = |n: usize| {
+        format!(
+            "#{n} Entity_Name [-] , #{n} Entity_ID [-] , #{n} Current_Speed [m/s] , #{n} bb_x [m] , #{n} bb_length [m] , \
+             #{n} World_Position_X [m] , #{n} World_Position_Y [m] , #{n} World_Heading_Angle [rad] , "
+        )
+    };
+    let mut text = "Index [-] , TimeStamp [s] , ".to_owned();
+    text.extend((1..=3).map(columns));
+    text.push('\n');
+    for i in 0..1200 {
+        let t = f64::from(i) / 50.0;
+        let _ = write!(text, "{i}, {t:.3}, ");
+        for (name, number, ahead) in vehicles(i) {
+            let speed = 20.0 + f64::from(number);
+            let x = ahead + speed * t;
+            let _ = write!(text, "{name}, {number}, {speed}, 1.4, 4.0, {x:.6}, -5.25, 0.0, ");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn esmini_vehicles_are_found_by_name() {
+    let cars = [("Ego", 0, 0.0), ("A", 1, 40.0), ("B", 2, 80.0)];
+    let read = |vehicles: &dyn Fn(u32) -> Vec<(&'static str, u32, f64)>| {
+        let text = esmini_groups(vehicles);
+        read(shipped("esmini_csv.toml"), "P01_own.csv", &text)
+    };
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    // Ego is deleted at 4 s: the other cars move up by a group.
+    let deleted = |i: u32| if i < 200 { cars.to_vec() } else { cars[1..].to_vec() };
+    let found = read(&deleted).unwrap();
+    let recording = &found[0].recording;
+    assert_eq!(found.len(), 1);
+    assert!(recording.time_s().last().unwrap() < &4.0, "{:?}", recording.time_s().last());
+    assert!((mean(&recording.ego().speed_mps) - 20.0).abs() < 1e-6);
+    // Ego is the third of the scenario.
+    let third = |_: u32| vec![cars[1], cars[2], cars[0]];
+    let found = read(&third).unwrap();
+    assert!((mean(&found[0].recording.ego().speed_mps) - 20.0).abs() < 1e-6);
+    assert!((gap_m(&found[0].recording, 0) - 36.0).abs() < 1e-6);
+    let error = read(&|_| cars[1..].to_vec()).unwrap_err().to_string();
+    assert!(error.contains("`Ego`") && error.contains("A, B"), "{error}");
+}
+
 /// What openPASS writes: three lanes, an agent that goes away, and its cells empty from then on.
 fn openpass(lanes_driven: usize) -> String {
     let samples = ["VelocityEgo", "XPosition", "YPosition", "YawAngle"];
@@ -177,7 +225,7 @@ fn edges_place_lanes_and_keys_that_contradict_them_are_refused() {
     assert!(error.contains("`you`") && error.contains("me, other"), "{error}");
     for (from, to, words) in [
         ("y = \"{id}_y\"", "y = \"side\"", "expected a name with `{id}`"),
-        ("time = \"t\"", "time = \"t\"\nid = \"name\"", "leave it out"),
+        ("time = \"t\"", "time = \"t\"\nid = \"name\"", "as in `x`, or no `id`"),
         ("x = \"{id}_x\"", "x = \"x\"", "`{id}`"),
         ("\"centre\"", "\"reference\"", "centre_ahead_m"),
     ] {

@@ -111,13 +111,13 @@ pub(super) fn read_rows(
         vehicles: 0,
         left_out: 0,
     };
-    if let Some(vehicles) = wide {
-        long_table.vehicles = vehicles.len();
-        long_table.ids.clone_from(&vehicles);
-        for (id, name) in (0..).zip(&vehicles) {
-            let places = stamp_ns.iter().zip(&group_codes);
+    if let Some(groups) = wide {
+        let (ids, vehicles) = wide_ids(&table, c, &groups)?;
+        (long_table.vehicles, long_table.ids) = (ids.len(), ids);
+        for (ids, name) in vehicles.iter().zip(&groups) {
+            let places = stamp_ns.iter().zip(&group_codes).zip(ids);
             let places: Vec<Place> =
-                places.map(|(ns, group)| Some(((*group)?, id, (*ns)?))).collect();
+                places.map(|((ns, group), id)| Some(((*group)?, (*id)?, (*ns)?))).collect();
             // Where its columns are empty the vehicle is not there.
             long_table.take(&table, mapping, long, name, &places)?;
         }
@@ -132,6 +132,27 @@ pub(super) fn read_rows(
         long_table.left_out = table.rows() - long_table.rows.len();
     }
     Ok(long_table)
+}
+
+/// Returns the names of vehicles that have columns of their own, sorted, and for each group of columns the place of the name that
+/// each row holds: that of `id`, else the group's own.
+fn wide_ids(
+    table: &Table,
+    columns: &LongColumns,
+    groups: &[String],
+) -> Result<(Vec<String>, Vec<Vec<Option<u32>>>), IngestError> {
+    let Some(id) = &columns.id else {
+        let places = (0..).zip(groups).map(|(id, _)| vec![Some(id); table.rows()]).collect();
+        return Ok((groups.to_vec(), places));
+    };
+    let mut words = Vec::new();
+    for group in groups {
+        words.push(table.words(&LongColumns::of_vehicle(id, group))?);
+    }
+    let names = numbered(words.iter().flatten().flatten().map(String::as_str));
+    let place = |word: &Option<String>| word.as_deref().map(|word| names[word]);
+    let places = words.iter().map(|words| words.iter().map(place).collect()).collect();
+    Ok((names.keys().map(|name| (*name).to_owned()).collect(), places))
 }
 
 /// Group, vehicle and time of a row.
