@@ -5,6 +5,7 @@ use crate::{
     median::median,
     quality::{Warning, WarningKind, report},
     raw::{EgoSamples, RawDrive, Timed},
+    speed_windows::{ego_speed, others_speed},
 };
 use maveric_domain::{EgoTrack, Road};
 use std::{ops::RangeInclusive, path::Path};
@@ -18,7 +19,7 @@ pub(crate) const MOVING_MPS: f64 = 2.0;
 /// How long a position may stay as it is while ego drives, in s: some receivers give one a second.
 const HELD_S: f64 = 2.0;
 /// Steps that are longer by this than any car drives are jumps, in m: positions are known to some metres.
-const JUMP_M: f64 = 10.0;
+pub(crate) const JUMP_M: f64 = 10.0;
 /// Samples that a comparison of speed and movement needs.
 const ENOUGH: usize = 20;
 /// Speeds over what positions change a second that belong together.
@@ -149,11 +150,13 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
     let what =
         format!("lengths of vehicles are not between {least} and {most} m: is their unit right?");
     report(&mut doubts, path, unit, odd, &what);
+    let mut is_unit_odd = false;
     // Where most are borne out, so is the median.
     if count >= ENOUGH && 2 * borne_out <= count {
         let mut ratios: Vec<f64> = ratios().collect();
         let ratio = median(&mut ratios).unwrap_or(1.0);
         if !BORNE_OUT.contains(&ratio) {
+            is_unit_odd = true;
             // A thousandth is a unit too.
             let ratio = if ratio < 0.1 { format!("{ratio:.4}") } else { format!("{ratio:.2}") };
             let what = format!(
@@ -163,8 +166,16 @@ pub(crate) fn doubts(path: &Path, raw: &RawDrive) -> Vec<Warning> {
             report(&mut doubts, path, unit, count, &what);
         }
     }
-    doubts.extend(held(path, ego));
-    doubts.extend(jumps(path, ego));
+    let (held, jumps) = (held(ego), jumps(ego));
+    doubts.extend(held_warning(path, ego, &held));
+    doubts.extend(jumps_warning(path, ego, &jumps));
+    // A speed that fits nowhere is reported above.
+    if !is_unit_odd {
+        let mut reported: Vec<usize> = held.into_iter().flatten().chain(jumps).collect();
+        reported.sort_unstable();
+        doubts.extend(ego_speed(path, ego, &reported));
+    }
+    doubts.extend(others_speed(path, &raw.objects));
     doubts
 }
 
@@ -175,27 +186,34 @@ fn step(ego: &EgoSamples, i: usize) -> Option<(f64, f64)> {
     (dt > 0.0 && dt < HELD_S).then(|| (dt, (dx * dx + dy * dy).sqrt()))
 }
 
-/// Samples of ego at which it drives and stays where it is, for longer than a position is held.
-fn held(path: &Path, ego: &EgoSamples) -> Option<Warning> {
+/// Runs of samples of ego at which it drives and stays where it is, for longer than a position is held.
+fn held(ego: &EgoSamples) -> Vec<Vec<usize>> {
     let is_held = |i: usize| {
         ego.speed_mps[i].abs() > MOVING_MPS && step(ego, i).is_some_and(|(_, moved)| moved <= 0.0)
     };
     let held: Vec<usize> = (0..ego.len().saturating_sub(1)).filter(|&i| is_held(i)).collect();
+    let runs = held.chunk_by(|a, b| a + 1 == *b).filter(|run| {
+        let (from, to) = span_s(ego, run);
+        to - from > HELD_S
+    });
+    runs.map(<[usize]>::to_vec).collect()
+}
+
+/// From the first of some steps to the end of the last, in s.
+fn span_s(ego: &EgoSamples, steps: &[usize]) -> (f64, f64) {
     let second = |i: usize| ego.stamp_ns[i] as f64 / 1e9;
-    let (mut count, mut spans) = (0, Vec::new());
-    for run in held.chunk_by(|a, b| a + 1 == *b) {
-        let span = (second(run[0]), second(run[run.len() - 1] + 1));
-        if span.1 - span.0 > HELD_S {
-            count += run.len();
-            spans.push(span);
-        }
-    }
+    (second(steps[0]), second(steps[steps.len() - 1] + 1))
+}
+
+fn held_warning(path: &Path, ego: &EgoSamples, held: &[Vec<usize>]) -> Option<Warning> {
+    let count = held.iter().map(Vec::len).sum();
+    let spans = held.iter().map(|run| span_s(ego, run));
     let what = "ego's position stays the same although its speed is not 0: are the columns of its position right?";
     (count > 0).then(|| Warning::new(path, WarningKind::Unit, count, what).with_spans(spans))
 }
 
 /// Steps of ego from one place to another that no car reaches in the time since it came to the first.
-fn jumps(path: &Path, ego: &EgoSamples) -> Option<Warning> {
+fn jumps(ego: &EgoSamples) -> Vec<usize> {
     let second = |i: usize| ego.stamp_ns[i] as f64 / 1e9;
     let (mut jumps, mut came) = (Vec::new(), 0);
     for i in 0..ego.len().saturating_sub(1) {
@@ -208,7 +226,11 @@ fn jumps(path: &Path, ego: &EgoSamples) -> Option<Warning> {
             came = i + 1;
         }
     }
-    let spans = jumps.iter().map(|&i| (second(i), second(i + 1)));
+    jumps
+}
+
+fn jumps_warning(path: &Path, ego: &EgoSamples, jumps: &[usize]) -> Option<Warning> {
+    let spans = jumps.iter().map(|&i| span_s(ego, &[i]));
     let what = "ego's position jumps further than a car drives in that time: what is measured across the jump is not driven";
     (!jumps.is_empty())
         .then(|| Warning::new(path, WarningKind::Unit, jumps.len(), what).with_spans(spans))

@@ -40,6 +40,8 @@ pub enum WarningKind {
     OtherLane,
     /// Values that can hardly be in the unit that was declared.
     Unit,
+    /// A signal that contradicts another one for a while.
+    Contradiction,
     /// A value that the log lacks and a default stands in for.
     Default,
     /// What whoever made the log has to say of it.

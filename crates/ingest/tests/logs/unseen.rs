@@ -259,3 +259,22 @@ fn a_time_that_is_none_is_named_as_the_time() {
     let named = error.contains("row 4") && error.contains("`soon`");
     assert!(named && error.contains("expected a time in s"), "{error}");
 }
+
+#[test]
+fn speed_lost_for_a_while_is_reported() {
+    let columns = "time ego_x ego_speed gap lead_speed";
+    let row = |i: u32, ego: f64, lead: f64| {
+        let t = f64::from(i) / 10.0;
+        format!("{t},{},{ego},30,{lead}", 20.0 * t)
+    };
+    let lost = |i: u32| if (200..320).contains(&i) { 0.0 } else { 20.0 };
+    let read = |row: &dyn Fn(u32) -> String| {
+        of_pair(columns, &(0..600).map(row).collect::<Vec<_>>()).unwrap()
+    };
+    let of_ego = read(&|i| row(i, lost(i), 20.0));
+    assert!(said(&of_ego, "speed of ego does not fit its positions") >= 120);
+    let of_lead = read(&|i| row(i, 20.0, lost(i)));
+    assert_eq!(said(&of_lead, "speed of ego does not fit"), 0);
+    assert!(said(&of_lead, "speed of another vehicle does not fit its positions") >= 120);
+    assert_eq!(said(&read(&|i| row(i, 20.0, 20.0)), "does not fit its positions"), 0);
+}
