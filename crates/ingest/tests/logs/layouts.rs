@@ -1,6 +1,6 @@
 //! Tables of every layout, made up so that what must come out is known.
 
-use super::mapped::{drive_of, mapped, of_toml, read_named, settings, shipped};
+use super::mapped::{UNITS, drive_of, mapped, of_toml, read_named, settings, shipped};
 use maveric_domain::{Recording, Sees};
 use maveric_ingest::{IngestError, Ingested, WarningKind, log_files, read_log};
 use std::{fmt::Write as _, path::PathBuf};
@@ -357,4 +357,77 @@ fn a_leader_is_as_far_beside_ego_as_its_column_says_wherever_ego_is() {
     let rows = drive_of(&found[0]).rows().clone();
     assert!(rows.lead_dy_m.iter().all(|dy| near(*dy, 0.75)));
     assert!(rows.lead_dx_m.iter().all(|dx| near(*dx, 30.0)));
+}
+
+/// How many warnings a drive has of lengths that stand in.
+fn stood_in(log: &Ingested, whose: &str) -> usize {
+    let fits = |w: &&maveric_ingest::Warning| {
+        w.kind == WarningKind::Default
+            && w.what.contains(whose)
+            && w.what.contains("length is not known")
+    };
+    log.warnings.iter().filter(fits).map(|w| w.count).sum()
+}
+
+/// Two cars whose positions of a point are 50 m apart, at 20 m/s.
+fn two_cars(point: &str, length: Option<(&str, &str)>) -> Vec<Ingested> {
+    let column = if length.is_some() { "length = \"l\"\n" } else { "" };
+    let toml = format!(
+        "[table]\nlayout = \"long\"\npoint = \"{point}\"\nego_length_m = 4.0\nlead_length_m = 16.0\n{UNITS}[table.columns]\n\
+         time = \"t\"\nid = \"id\"\nx = \"x\"\nspeed = \"v\"\nlead_id = \"front\"\n{column}"
+    );
+    let (ego, lead) = length.unwrap_or_default();
+    let mut text = "t,id,x,v,front,l\n".to_owned();
+    for i in 0..60 {
+        let t = f64::from(i) / 10.0;
+        writeln!(text, "{t},1,{},20,2,{ego}", 20.0 * t).unwrap();
+        writeln!(text, "{t},2,{},20,,{lead}", 20.0 * t + 50.0).unwrap();
+    }
+    mapped(&toml, &text).unwrap()
+}
+
+#[test]
+fn lead_length_of_mapping_stands_in_in_long_tables() {
+    for (point, gap_m) in [("front", 34.0), ("centre", 40.0), ("rear", 46.0)] {
+        for length in [None, Some(("4", "0")), Some(("4", ""))] {
+            let found = two_cars(point, length);
+            let rows = drive_of(&found[0]).rows().clone();
+            assert!(near(rows.lead_dx_m[20], gap_m), "{point} {length:?}: {}", rows.lead_dx_m[20]);
+            assert_eq!(stood_in(&found[0], "other vehicles whose"), 1, "{point} {length:?}");
+        }
+        let known = two_cars(point, Some(("4", "16")));
+        assert!(near(drive_of(&known[0]).rows().lead_dx_m[20], gap_m), "{point}");
+        assert_eq!(stood_in(&known[0], ""), 0);
+    }
+}
+
+#[test]
+fn length_of_zero_is_reported_in_pairs_and_platoons() {
+    let pair = |ego: &str, lead: &str| {
+        let toml = format!(
+            "[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n{UNITS}[table.columns]\ntime = \"t\"\nego_speed = \"v\"\n\
+             gap = \"gap\"\nlead_speed = \"v\"\nego_length = \"l\"\nlead_length = \"k\"\n"
+        );
+        let rows: String =
+            (0..60).map(|i| format!("{},20,30,{ego},{lead}\n", f64::from(i) / 10.0)).collect();
+        let found = mapped(&toml, &format!("t,v,gap,l,k\n{rows}")).unwrap();
+        (stood_in(&found[0], "ego's"), stood_in(&found[0], "leader's"))
+    };
+    assert_eq!(pair("4", "5"), (0, 0));
+    assert_eq!(pair("0", "5"), (1, 0));
+    assert_eq!(pair("4", "0"), (0, 60));
+    let platoon = |second: &str, first: &str| {
+        let toml = format!(
+            "[table]\nlayout = \"platoon\"\ngap_kind = \"bumper_to_bumper\"\n{UNITS}[table.columns]\ntime = \"t\"\nspeed = \"v{{n}}\"\n\
+             gap = \"gap{{n}}\"\nlength = \"l{{n}}\"\n"
+        );
+        let rows: String = (0..60)
+            .map(|i| format!("{},20,20,30,{first},{second}\n", f64::from(i) / 10.0))
+            .collect();
+        let found = mapped(&toml, &format!("t,v1,v2,gap1,l1,l2\n{rows}")).unwrap();
+        (stood_in(&found[0], "ego's"), stood_in(&found[0], "leader's"))
+    };
+    assert_eq!(platoon("4", "5"), (0, 0));
+    assert_eq!(platoon("0", "5"), (1, 0));
+    assert_eq!(platoon("4", ""), (0, 60));
 }

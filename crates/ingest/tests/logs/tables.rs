@@ -31,7 +31,9 @@ fn a_cell_that_is_no_number_is_named_and_an_empty_one_is_counted() {
     assert_eq!(found.recording.rows(), 4, "a dropout of 0.2 s is bridged");
     let counts: Vec<(WarningKind, usize)> =
         found.warnings.iter().map(|w| (w.kind, w.count)).collect();
-    assert_eq!(counts, [(WarningKind::MissingValue, 1), (WarningKind::MissingValue, 1)]);
+    // The leader's length of 0 is unknown.
+    let missing = (WarningKind::MissingValue, 1);
+    assert_eq!(counts, [(WarningKind::Default, 2), missing, missing]);
 }
 
 #[test]
@@ -69,7 +71,8 @@ fn a_hole_in_a_table_starts_a_segment() {
     ))
     .unwrap();
     assert_eq!(found.recording.segment(), [0, 0, 1, 1]);
-    assert_eq!(found.warnings[0].spans_s, [(0.1, 3.0)]);
+    let hole = found.warnings.iter().find(|w| w.kind == WarningKind::Hole).unwrap();
+    assert_eq!(hole.spans_s, [(0.1, 3.0)]);
     assert_eq!(found.recording.others().len(), 2);
 }
 

@@ -90,6 +90,11 @@ pub(super) fn read(
         let mut warnings = vehicle_warnings(path, vehicle);
         let what = "rows name a leader that has no rows of its own at that time: whether the road is free is unknown";
         report(&mut warnings, path, WarningKind::MissingValue, around.lost_leaders, what);
+        let what = format!(
+            "other vehicles whose length is not known: the mapping's `lead_length_m` of {} m stands in",
+            mapping.lead_length_m
+        );
+        report(&mut warnings, path, WarningKind::Default, around.without_length, &what);
         drives.push(TableDrive {
             captures,
             lane_steps: fleet.lane_steps,

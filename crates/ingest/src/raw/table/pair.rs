@@ -44,7 +44,7 @@ pub(super) struct Couple {
     /// Without it the speed is integrated.
     pub(super) ego_x_m: Option<Vec<f64>>,
     pub(super) ego_speed_mps: Vec<f64>,
-    pub(super) ego_length_m: f64,
+    pub(super) ego_length: Length,
     pub(super) ego_y_m: Option<Vec<f64>>,
     pub(super) lane: Lane,
     /// From bumper to bumper; if `signed`, negative where the other vehicle is behind.
@@ -56,6 +56,8 @@ pub(super) struct Couple {
     /// Without it the leader's position is differentiated.
     pub(super) lead_speed_mps: Option<Vec<f64>>,
     pub(super) lead_length_m: Vec<f64>,
+    /// Whether the length in each row is the mapping's, since the column holds none; empty if it is in no row.
+    pub(super) stands_in: Vec<bool>,
     /// Whether it is always the same leader although no number says so.
     pub(super) one_leader: bool,
 }
@@ -74,7 +76,8 @@ pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, In
     let column = |name: &Option<String>, unit| table.scaled(name.as_ref(), unit);
     let length = mapping.units.length.metres();
     let speed = mapping.units.speed.metres_per_second();
-    let ego_length_m = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
+    let ego_length = first_length(column(&names.ego_length, length)?, mapping.ego_length_m);
+    let ego_length_m = ego_length.length_m;
     let along = pair.forward.sign() * length;
     let ego_x_m = column(&names.ego_x, along)?;
     let lead_id: Option<Vec<Option<u32>>> = match &names.lead_id {
@@ -86,9 +89,9 @@ pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, In
         }
         _ => None,
     };
-    let lead_length_m = match column(&names.lead_length, length)? {
+    let (lead_length_m, stands_in) = match column(&names.lead_length, length)? {
         Some(lengths) => leaders_lengths(lengths, lead_id.as_deref(), mapping.lead_length_m),
-        None => vec![mapping.lead_length_m; table.rows()],
+        None => (vec![mapping.lead_length_m; table.rows()], Vec::new()),
     };
     let gap_m: Vec<f64> = if let Some(gap) = column(&names.gap, length)? {
         let gap = gap.into_iter().zip(&lead_length_m);
@@ -121,10 +124,11 @@ pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, In
         lead_id,
         lead_dy_m: column(&names.lead_dy, along)?,
         ego_speed_mps: table.times(&names.ego_speed, speed)?,
-        ego_length_m,
+        ego_length,
         gap_m,
         lead_speed_mps: column(&names.lead_speed, speed)?,
         lead_length_m,
+        stands_in,
         one_leader: false,
     };
     if couple.gap_m.len() != couple.stamp_ns.len() {
@@ -134,19 +138,28 @@ pub(super) fn read(log: &mut TableLog<'_>, pair: &Pair) -> Result<TableDrive, In
     Ok(drive(log.path, couple))
 }
 
+/// The length of a vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Length {
+    pub(super) length_m: f64,
+    /// Whether it is the mapping's, since a column of it holds none.
+    pub(super) stands_in: bool,
+}
+
 /// A vehicle does not grow: its length is the first that is known.
-pub(super) fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> f64 {
+pub(super) fn first_length(lengths: Option<Vec<f64>>, otherwise_m: f64) -> Length {
+    let has_column = lengths.is_some();
     let known = lengths.into_iter().flatten().find(|l| *l > 0.0);
-    known.unwrap_or(otherwise_m)
+    Length { length_m: known.unwrap_or(otherwise_m), stands_in: has_column && known.is_none() }
 }
 
 /// The leader's length in each row, in m: the first that is known of each leader, or of those without a number the one that
-/// stands in the row, as long as it stays about the same.
+/// stands in the row, as long as it stays about the same. With it, in which rows the mapping's stands in.
 fn leaders_lengths(
     mut lengths: Vec<f64>,
     lead_id: Option<&[Option<u32>]>,
     otherwise_m: f64,
-) -> Vec<f64> {
+) -> (Vec<f64>, Vec<bool>) {
     if let Some(ids) = lead_id {
         let mut first: BTreeMap<u32, f64> = BTreeMap::new();
         for (id, length) in ids.iter().zip(&lengths) {
@@ -155,7 +168,9 @@ fn leaders_lengths(
             }
         }
         let length_of = |id: &Option<u32>| id.and_then(|id| first.get(&id)).copied();
-        return ids.iter().map(|id| length_of(id).unwrap_or(otherwise_m)).collect();
+        let known: Vec<Option<f64>> = ids.iter().map(length_of).collect();
+        let lengths = known.iter().map(|length| length.unwrap_or(otherwise_m)).collect();
+        return (lengths, known.iter().map(Option::is_none).collect());
     }
     let known = lengths.iter().copied().find(|l| *l > 0.0);
     let mut now = known.unwrap_or(otherwise_m);
@@ -165,7 +180,8 @@ fn leaders_lengths(
         }
         *length = now;
     }
-    lengths
+    let stands_in = if known.is_none() { vec![true; lengths.len()] } else { Vec::new() };
+    (lengths, stands_in)
 }
 
 /// The gap between bumpers behind a gap of some kind, in m.
@@ -188,7 +204,7 @@ pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
     let beside = couple.lane != Lane::Unknown || couple.lead_dy_m.is_some();
     let mut drive = TableDrive {
         raw: RawDrive {
-            ego_length_m: Some(couple.ego_length_m),
+            ego_length_m: Some(couple.ego_length.length_m),
             pair: Some(PairRows {
                 x_from_speed: couple.ego_x_m.is_none(),
                 unnumbered: couple.lead_id.is_none() && !couple.one_leader,
@@ -206,6 +222,7 @@ pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
         ..TableDrive::default()
     };
     let with_leader = leader(&couple, &mut drive);
+    let ego_length = couple.ego_length;
     let ego = ego(couple);
     if !with_leader.lost_rows.is_empty() {
         let is_lost = |nth: &u32| with_leader.lost_rows.binary_search(nth).is_ok();
@@ -219,6 +236,11 @@ pub(super) fn drive(path: &Path, couple: Couple) -> TableDrive {
     let several = objects.id.windows(2).any(|w| w[0] != w[1]);
     drive.raw.without_lateral = !beside && (several || with_leader.passed);
     drive.raw.ego = ego;
+    let what = format!("ego's length is not known: {} m stands in", ego_length.length_m);
+    let count = usize::from(ego_length.stands_in);
+    report(&mut drive.warnings, path, WarningKind::Default, count, &what);
+    let what = "rows whose leader's length is not known: the mapping's `lead_length_m` stands in";
+    report(&mut drive.warnings, path, WarningKind::Default, with_leader.without_length, what);
     let kind = WarningKind::MissingValue;
     let what = "rows without time, position or speed of ego are left out";
     report(&mut drive.warnings, path, kind, without_ego, what);
@@ -267,6 +289,8 @@ struct WithLeader {
     lost_rows: Vec<u32>,
     /// Rows of ego in which 0 stands for nobody.
     nobody: usize,
+    /// Rows whose leader has the mapping's length, since its column holds none.
+    without_length: usize,
     /// Whether it was behind ego once.
     passed: bool,
 }
@@ -282,7 +306,7 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
             continue;
         };
         let (gap_m, length_m) = (couple.gap_m[row], couple.lead_length_m[row]);
-        let centres_m = 0.5 * (couple.ego_length_m + length_m);
+        let centres_m = 0.5 * (couple.ego_length.length_m + length_m);
         let behind = couple.signed && gap_m < 0.0;
         let of_row = |column: &Option<Vec<f64>>| column.as_ref().map_or(0.0, |c| c[row]);
         let x_m = of_row(&couple.ego_x_m) + gap_m + if behind { -centres_m } else { centres_m };
@@ -301,6 +325,7 @@ fn leader(couple: &Couple, drive: &mut TableDrive) -> WithLeader {
             continue;
         }
         with_leader.passed |= behind;
+        with_leader.without_length += usize::from(couple.stands_in.get(row) == Some(&true));
         if !couple.signed {
             drive.gaps.note(stamp_ns, gap_m);
         }

@@ -4,7 +4,7 @@ use super::{
     TableDrive, TableLog,
     lane::Lanes,
     open::Kind,
-    pair::{Couple, Lane, bumper_gap_m, drive, first_length},
+    pair::{Couple, Lane, Length, bumper_gap_m, drive, first_length},
     parts::stamps,
 };
 use crate::{
@@ -44,7 +44,7 @@ pub(super) fn read(
         table.scaled(template.as_ref().map(|t| optional(t, n)).as_ref(), unit)
     };
     let of_car = |template: &str, n: usize, unit: f64| table.times(&column(template, n), unit);
-    let length_m = |n: usize, otherwise_m: f64| -> Result<f64, IngestError> {
+    let length_of = |n: usize, otherwise_m: f64| -> Result<Length, IngestError> {
         Ok(first_length(some(&columns.length, n, to_m)?, otherwise_m))
     };
     let lanes = Lanes::new(mapping, log.road, platoon.offset_grows);
@@ -67,8 +67,9 @@ pub(super) fn read(
         if !(table.has(&column(speed, ego)) && table.has(&column(gap, lead))) {
             break;
         }
-        let lead_length_m = length_m(lead, mapping.lead_length_m)?;
-        let ego_length_m = length_m(ego, mapping.ego_length_m)?;
+        let lead_length = length_of(lead, mapping.lead_length_m)?;
+        let ego_length = length_of(ego, mapping.ego_length_m)?;
+        let (lead_length_m, ego_length_m) = (lead_length.length_m, ego_length.length_m);
         let gaps = of_car(gap, lead, to_m)?.into_iter();
         let ((lead_y_m, lead_lane), (ego_y_m, lane)) = (across(lead)?, across(ego)?);
         let both_known = lane != Lane::Unknown && lead_lane != Lane::Unknown;
@@ -80,7 +81,7 @@ pub(super) fn read(
             ego_y_m,
             lane,
             ego_speed_mps: of_car(speed, ego, to_mps)?,
-            ego_length_m,
+            ego_length,
             gap_m: gaps
                 .map(|g| bumper_gap_m(g, mapping.gap_kind, ego_length_m, lead_length_m))
                 .collect(),
@@ -88,6 +89,7 @@ pub(super) fn read(
             lead_id: None,
             lead_speed_mps: Some(of_car(speed, lead, to_mps)?),
             lead_length_m: vec![lead_length_m; table.rows()],
+            stands_in: vec![true; if lead_length.stands_in { table.rows() } else { 0 }],
             one_leader: true,
         };
         drives.push(TableDrive {

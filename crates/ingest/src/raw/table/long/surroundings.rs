@@ -52,6 +52,8 @@ pub(super) struct Around {
     pub(super) sightings: Option<Sightings>,
     /// Rows that name a leader whose position is unknown.
     pub(super) lost_leaders: usize,
+    /// Vehicles whose length is unknown.
+    pub(super) without_length: usize,
 }
 
 impl Seen {
@@ -103,7 +105,7 @@ impl Surroundings {
         let (mut first_ns, mut last_ns) = (None, None);
         let mut unseen: Vec<(i64, i64)> = Vec::new();
         let mut unnamed = Leaders::default();
-        let mut lost_ns = BTreeSet::new();
+        let (mut lost_ns, mut without_length) = (BTreeSet::new(), BTreeSet::new());
         let leads = vehicle.leads.iter().zip(&vehicle.lead_ids);
         for (sample, (lead, &lead_id)) in vehicle.samples.iter().zip(leads) {
             objects.extend(lead.map(|lead| lead_sample(&lead, &sample, numbers, &mut unnamed)));
@@ -117,7 +119,11 @@ impl Surroundings {
                 {
                     unseen.push((last_ns, sample.stamp_ns));
                 }
-                near.extend(observer.object(other, &o, numbers));
+                let object = observer.object(other, &o, numbers);
+                if object.is_some() && !other.length_known {
+                    without_length.insert(other.id);
+                }
+                near.extend(object);
             }
             if let Some(id) = lead_id.filter(|_| lead.is_none())
                 && !self.is_recorded(vehicles, (vehicle.group, id), sample.stamp_ns)
@@ -138,6 +144,7 @@ impl Surroundings {
             objects,
             sightings: is_partial.then(|| seen_times(vehicle, &unseen, &lost_ns)),
             lost_leaders: lost_ns.len(),
+            without_length: without_length.len(),
         }
     }
 
@@ -249,13 +256,16 @@ impl Observer {
     ) -> Option<(f64, ObjectSample)> {
         let sample = &self.sample;
         let bends = self.view == View::LeaderInBends && sample.yaw_rad.is_some();
-        let distance = libm::hypot(o.x_m - sample.x_m, o.y_m - sample.y_m);
+        let (sin, cos) = libm::sincos(o.yaw_rad.unwrap_or(0.0));
+        let ahead_m = other.as_other.ahead_m;
+        let there = (o.x_m + ahead_m * cos, o.y_m + ahead_m * sin);
+        let distance = libm::hypot(there.0 - sample.x_m, there.1 - sample.y_m);
         let speed_mps = o.speed_mps.filter(|_| distance <= NEAR_M)?;
         let (x_m, y_m) = if bends {
             let (sin, cos) = libm::sincos(sample.yaw_rad.unwrap_or(0.0));
             (sample.x_m + distance * cos, sample.y_m + distance * sin)
         } else {
-            (o.x_m, o.y_m)
+            there
         };
         let object = ObjectSample {
             stamp_ns: sample.stamp_ns,
@@ -265,7 +275,7 @@ impl Observer {
             x_m,
             y_m,
             speed_mps,
-            length_m: other.length_m,
+            length_m: other.as_other.length_m,
         };
         Some((distance, object))
     }

@@ -40,6 +40,14 @@ pub(super) struct Lead {
     pub(super) length_known: bool,
 }
 
+/// How a vehicle is placed in the drives of others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AsOther {
+    pub(super) length_m: f64,
+    /// How far ahead of its samples its centre is, in m.
+    pub(super) ahead_m: f64,
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct Vehicle {
     pub(super) group: u32,
@@ -51,6 +59,8 @@ pub(super) struct Vehicle {
     pub(super) sign: f64,
     pub(super) length_m: f64,
     pub(super) length_known: bool,
+    /// The vehicle as another one sees it, whose length may be another one if its own is unknown.
+    pub(super) as_other: AsOther,
     /// Rising in time.
     pub(super) samples: EgoSamples,
     /// How many of them have no speed of their own, but that of their positions.
@@ -143,6 +153,15 @@ fn vehicle(
         fill_speeds(&mut samples, max_gap_s);
         differentiated -= unknown(&samples);
     }
+    let other_length_m = known.unwrap_or(mapping.lead_length_m);
+    let ahead = match long.point {
+        Point::Front => -0.5,
+        Point::Rear => 0.5,
+        Point::Corner => 0.5 * turn * long.forward.sign(),
+        Point::Reference | Point::Centre => 0.0,
+    };
+    let as_other =
+        AsOther { length_m: other_length_m, ahead_m: ahead * (other_length_m - length_m) };
     let leads = rows
         .iter()
         .zip(samples.iter())
@@ -154,6 +173,7 @@ fn vehicle(
         sign,
         length_m,
         length_known: known.is_some(),
+        as_other,
         leads: leads.collect(),
         lead_ids: rows.iter().map(|r| r.lead_id).collect(),
         differentiated,
