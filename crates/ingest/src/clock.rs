@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// How far a clock must go back to count as set anew, in ns.
-const SET_BACK_NS: i64 = 1_000_000_000;
+pub(crate) const SET_BACK_NS: i64 = 1_000_000_000;
 /// Samples that stay behind once a clock was set back; fewer are late messages.
 const LASTING: usize = 10;
 /// Way beyond which ego was put elsewhere, whatever its speed, in m; and how fast it may be, in m/s.
@@ -132,6 +132,30 @@ fn is_one_drive(ego: &EgoSamples) -> bool {
     })
 }
 
+/// Returns the samples, in the order of the file, at which a further run over times that are there already begins.
+pub(crate) fn runs(ego: &EgoSamples) -> Vec<usize> {
+    let starts = restarts(ego);
+    if starts.is_empty() || is_one_drive(ego) {
+        return Vec::new();
+    }
+    let mut in_order = pieces(ego, &starts).1;
+    in_order.sort_unstable();
+    let twice = |w: &[Span]| w[1].0 < w[0].1.saturating_sub(SET_BACK_NS);
+    if in_order.windows(2).any(twice) { starts } else { Vec::new() }
+}
+
+/// Bounds of the pieces that begin at some samples, and first and last time of each.
+fn pieces(ego: &EgoSamples, starts: &[usize]) -> (Vec<usize>, Vec<Span>) {
+    let bounds: Vec<usize> =
+        [0].into_iter().chain(starts.iter().copied()).chain([ego.len()]).collect();
+    let span = |b: &[usize]| {
+        let times = || ego.stamp_ns[b[0]..b[1]].iter().copied();
+        (times().min().unwrap_or(0), times().max().unwrap_or(0))
+    };
+    let pieces = bounds.windows(2).map(span).collect();
+    (bounds, pieces)
+}
+
 /// Lays what follows a clock that was set back behind what stands before, `hole_ns` apart; gives the holes.
 ///
 /// Only where times come twice: pieces of a file that are merely in another order are left to sorting. Samples are in
@@ -139,25 +163,11 @@ fn is_one_drive(ego: &EgoSamples) -> bool {
 /// time.
 pub(crate) fn separate_restarts(drive: &mut RawDrive, hole_ns: i64) -> Vec<Span> {
     let ego = &mut drive.ego;
-    let starts = restarts(ego);
-    if starts.is_empty() || is_one_drive(ego) {
+    let starts = runs(ego);
+    if starts.is_empty() {
         return Vec::new();
     }
-    let bounds: Vec<usize> =
-        [0].into_iter().chain(starts.iter().copied()).chain([ego.len()]).collect();
-    let pieces: Vec<Span> = bounds
-        .windows(2)
-        .map(|b| {
-            let times = || ego.stamp_ns[b[0]..b[1]].iter().copied();
-            (times().min().unwrap_or(0), times().max().unwrap_or(0))
-        })
-        .collect();
-    let mut in_order = pieces.clone();
-    in_order.sort_unstable();
-    let twice = |w: &[Span]| w[1].0 < w[0].1.saturating_sub(SET_BACK_NS);
-    if !in_order.windows(2).any(twice) {
-        return Vec::new();
-    }
+    let (bounds, pieces) = pieces(ego, &starts);
     let mut shifts = vec![0_i64];
     let mut holes = Vec::new();
     for w in pieces.windows(2) {

@@ -431,3 +431,58 @@ fn length_of_zero_is_reported_in_pairs_and_platoons() {
     assert_eq!(platoon("0", "5"), (1, 0));
     assert_eq!(platoon("4", ""), (0, 60));
 }
+
+const TRACKS: &str = "[road]\nlanes = 2\nlane_width_m = 3.5\nposted_speed_mps = 30.0\nframe = \"map\"\n[table]\nlayout = \"long\"\n\
+    point = \"centre\"\ny_grows = \"left\"\n[table.units]\ntime = \"s\"\nlength = \"m\"\nspeed = \"m/s\"\n[table.columns]\ntime = \"t\"\n\
+    id = \"id\"\nx = \"x\"\ny = \"y\"\nspeed = \"v\"\n";
+
+#[test]
+fn two_runs_in_long_table_are_two_pieces() {
+    // Vehicle 2 is 40 m ahead in the second run alone.
+    let row = |i: u32, id: u32, speed: f64| {
+        let t = f64::from(i) / 10.0;
+        let x = speed * t + 40.0 * f64::from(id - 1);
+        format!("{t},{id},{x},0,{speed}\n")
+    };
+    let first: String = (0..200).map(|i| row(i, 1, 20.0)).collect();
+    let second: String = (0..200).map(|i| row(i, 1, 30.0) + &row(i, 2, 30.0)).collect();
+    let found = mapped(TRACKS, &format!("t,id,x,y,v\n{first}{second}")).unwrap();
+    let drive = drive_of(&found[0]);
+    let rows = drive.rows();
+    let n = rows.ego_speed_mps.len();
+    let mean = rows.ego_speed_mps.iter().sum::<f64>() / n as f64;
+    assert!((mean - 25.0).abs() < 0.1, "{mean}");
+    assert_eq!(found[0].recording.segment().last(), Some(&1));
+    let led = (0..n).filter(|row| rows.lead_present[*row]);
+    let second_run = (0..n).filter(|row| rows.segment[*row] == 1);
+    assert_eq!(led.collect::<Vec<_>>(), second_run.collect::<Vec<_>>());
+    let restart = |w: &&maveric_ingest::Warning| w.kind == WarningKind::ClockRestart;
+    assert_eq!(found[0].warnings.iter().filter(restart).count(), 1);
+    // Vehicle after vehicle, and each in order, is one run.
+    let by_vehicle: String =
+        (1..4).flat_map(|id| (0..200).map(move |i| row(i, id, 20.0))).collect();
+    let found = mapped(TRACKS, &format!("t,id,x,y,v\n{by_vehicle}")).unwrap();
+    assert!(found.iter().all(|d| d.recording.segment().last() == Some(&0)));
+    // Vehicle after vehicle, each with two runs: which belong together is unknown.
+    let run = |id: u32, speed: f64| (0..200).map(|i| row(i, id, speed)).collect::<String>();
+    let twice = [run(1, 20.0), run(1, 30.0), run(2, 20.0), run(2, 30.0)].concat();
+    let error = mapped(TRACKS, &format!("t,id,x,y,v\n{twice}")).unwrap_err().to_string();
+    assert!(error.contains("vehicle 1") && error.contains("`groups`"), "{error}");
+}
+
+#[test]
+fn number_of_several_vehicles_at_one_time_is_reported() {
+    let row = |i: u32| {
+        let t = f64::from(i) / 10.0;
+        let car = |id: u32, ahead: f64| format!("{t},{id},{},0,20\n", 20.0 * t + ahead);
+        car(1, 0.0) + &car(2, 58.0) + &car(2, -100.0)
+    };
+    let rows: String = (0..200).map(row).collect();
+    let found = mapped(TRACKS, &format!("t,id,x,y,v\n{rows}")).unwrap();
+    let twice = |w: &&maveric_ingest::Warning| {
+        w.kind == WarningKind::DuplicateTime && w.what.contains("vehicle 2")
+    };
+    let told: Vec<usize> = found[0].warnings.iter().filter(twice).map(|w| w.count).collect();
+    assert_eq!(told, [200]);
+    assert!(drive_of(&found[0]).rows().lead_present.iter().all(|p| *p), "the first row counts");
+}

@@ -1,6 +1,7 @@
 //! A row is one vehicle at one time: every vehicle is ego of a drive of its own among the others.
 
 mod columns;
+mod runs;
 mod surroundings;
 mod vehicles;
 
@@ -35,7 +36,7 @@ pub(super) fn read(
     if let Some(rate) = meta.as_ref().and_then(|m| m.frames_per_s) {
         clock.frames_per_s = rate;
     }
-    let LongTable { rows, ids, groups, left_out, .. } = read_rows(log, long, clock)?;
+    let LongTable { mut rows, ids, groups, left_out, .. } = read_rows(log, long, clock)?;
     let frame = Frame {
         y_left: long.y_grows.map_or(1.0, Side::to_left),
         lanes: Lanes::new(mapping, road, long.offset_grows),
@@ -44,8 +45,10 @@ pub(super) fn read(
     };
     let (in_lanes, places) = (rows.iter().map(|r| r.lane), rows.iter().map(|r| r.offset));
     log.warnings.extend(frame.lanes.doubts(path, in_lanes, places)?);
+    log.warnings.extend(runs::separate(path, &mut rows, &ids, clock.hole_ns)?);
     let fleet = vehicles(rows, &frame, log.max_gap_s);
     log.warnings.extend(without_speed(path, &fleet.vehicles, &ids));
+    log.warnings.extend(at_one_time(path, &fleet.vehicles, &ids));
     let c = &long.columns;
     let view = match (c.lead_id.is_some(), c.heading.is_some()) {
         (true, true) => View::LeaderInBends,
@@ -125,6 +128,24 @@ fn without_speed(path: &Path, vehicles: &[Vehicle], ids: &[String]) -> Option<Wa
         "rows of {whose} hold no speed: it is differentiated from the positions, in drives of others too"
     );
     Some(Warning::new(path, WarningKind::Default, rows, what))
+}
+
+/// Warns of vehicles with several rows at one time, of which others see the first.
+fn at_one_time(path: &Path, vehicles: &[Vehicle], ids: &[String]) -> Option<Warning> {
+    let rows = |v: &Vehicle| v.samples.stamp_ns.windows(2).filter(|w| w[0] == w[1]).count();
+    let mut several = vehicles.iter().filter(|v| rows(v) > 0);
+    let first = several.next()?;
+    let count = rows(first) + several.clone().map(rows).sum::<usize>();
+    let whose = match several.count() {
+        0 => format!("vehicle {}", name_of(first, ids)),
+        more => {
+            format!("{} vehicles, the first of them vehicle {},", more + 1, name_of(first, ids))
+        }
+    };
+    let what = format!(
+        "rows of {whose} are at a time at which it has a row already: the first one counts. Does one number stand for several vehicles?"
+    );
+    Some(Warning::new(path, WarningKind::DuplicateTime, count, what))
 }
 
 /// The gaps that a vehicle's own rows say, in the frame in which they say them.

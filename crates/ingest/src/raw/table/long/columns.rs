@@ -17,6 +17,8 @@ use crate::{
 pub(super) struct LongRow {
     pub(super) group: u32,
     pub(super) id: u32,
+    /// Number of its row in the table.
+    pub(super) nth: u32,
     pub(super) stamp_ns: i64,
     pub(super) x_m: f64,
     pub(super) y_m: f64,
@@ -210,6 +212,7 @@ impl LongTable {
             let long_row = LongRow {
                 group,
                 id,
+                nth: row as u32,
                 stamp_ns,
                 x_m: along * x[row],
                 // Without a y everybody is on one line, until lanes say otherwise.

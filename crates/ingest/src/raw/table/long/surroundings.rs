@@ -66,7 +66,11 @@ impl Surroundings {
     pub(super) fn new(vehicles: &[Vehicle], max_gap_s: f64) -> Self {
         let mut seen = Vec::with_capacity(vehicles.iter().map(|v| v.samples.len()).sum());
         for (vehicle, one) in (0..).zip(vehicles) {
-            seen.extend((0..).zip(one.samples.iter()).map(|(sample, s)| Seen {
+            let stamps = &one.samples.stamp_ns;
+            // Of two rows at one time the first counts.
+            let is_first = |sample: usize| sample == 0 || stamps[sample - 1] != stamps[sample];
+            let samples = (0..).zip(one.samples.iter()).filter(|s| is_first(s.0 as usize));
+            seen.extend(samples.map(|(sample, s): (u32, _)| Seen {
                 group: one.group,
                 stamp_ns: s.stamp_ns,
                 x_m: s.x_m,
