@@ -10,11 +10,12 @@ use crate::{
     ahead::Ahead,
     chunk::{self, Unpacker},
     error::BagError,
-    record::{self, HEAD, Record, op},
+    record::{self, Channel, HEAD, Record, op},
 };
 use mcap::records::Record as Account;
 use resynchronise::{is_chunk, senseless};
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{BufReader, Read, Seek, SeekFrom},
     path::Path,
@@ -90,6 +91,9 @@ fn walk_with(
         data_ended: false,
         resume: 0,
         lost: 0,
+        channels: BTreeMap::new(),
+        undo: Vec::new(),
+        declared_again: None,
     };
     walker.run(visitor)?;
     Ok(walker.damage)
@@ -114,6 +118,12 @@ struct Walker<'a, R> {
     resume: u64,
     /// Where the last chunk that cannot be trusted should end: what chunks hold is none of the file's own before that.
     lost: u64,
+    /// As they were declared last, by number.
+    channels: BTreeMap<u16, Channel>,
+    /// What the records that are being read have put in the place of other declarations.
+    undo: Vec<(u16, Option<Channel>)>,
+    /// What is wrong with the first channel of these records that is declared as another one than before.
+    declared_again: Option<String>,
 }
 
 impl<R: Read + Seek> Walker<'_, R> {
@@ -216,7 +226,10 @@ impl<R: Read + Seek> Walker<'_, R> {
             };
         } else {
             match record::parse(opcode, &buffer) {
-                Some(record) => self.give(record, visitor),
+                Some(record) => {
+                    self.give(record, visitor);
+                    self.check_channels(offset)?;
+                }
                 None => self.damaged(offset, &format!("record {opcode:#04x} cannot be read"))?,
             }
         }
@@ -341,7 +354,56 @@ impl<R: Read + Seek> Walker<'_, R> {
                 damage.between_ns.1 = self.last_ns;
             }
         }
+        if let Record::Channel(channel) = &record {
+            self.declare(channel);
+        }
         visitor.record(record);
+    }
+
+    /// Notes a channel, and whether its number is that of another one.
+    fn declare(&mut self, channel: &Channel) {
+        let known = self.channels.get(&channel.id);
+        if known == Some(channel) {
+            return;
+        }
+        if let Some(known) = known {
+            let what = if known.topic == channel.topic {
+                format!(
+                    "channel {} of `{}` is declared again with another type",
+                    known.id, known.topic
+                )
+            } else {
+                format!(
+                    "channel {} is declared again: for topic `{}`, before for `{}`",
+                    known.id, channel.topic, known.topic
+                )
+            };
+            self.declared_again.get_or_insert(what);
+        }
+        self.undo.push((channel.id, self.channels.insert(channel.id, channel.clone())));
+    }
+
+    /// Believes the declarations of the records that were read.
+    ///
+    /// # Errors
+    /// [`BagError::Damaged`] if one of them contradicts an earlier one.
+    fn check_channels(&mut self, offset: u64) -> Result<(), BagError> {
+        self.undo.clear();
+        match self.declared_again.take() {
+            Some(what) => self.damaged(offset, &what),
+            None => Ok(()),
+        }
+    }
+
+    /// Forgets the declarations of the records that were read.
+    fn forget_channels(&mut self) {
+        self.declared_again = None;
+        for (id, before) in std::mem::take(&mut self.undo).into_iter().rev() {
+            match before {
+                Some(channel) => self.channels.insert(id, channel),
+                None => self.channels.remove(&id),
+            };
+        }
     }
 
     fn damaged(&mut self, at_byte: u64, what: &str) -> Result<(), BagError> {

@@ -109,8 +109,8 @@ pub(crate) struct Collector<T, F> {
     /// Of the file that is being read, with the places of its channels' streams.
     schemas: BTreeMap<u16, OwnedSchema>,
     ids: BTreeMap<u16, usize>,
-    /// Schemas and channels of the chunk that is being read.
-    fresh: (Vec<u16>, Vec<u16>),
+    /// Schemas and channels of the chunk that is being read, with the streams that these channels were before.
+    fresh: (Vec<u16>, Vec<(u16, Option<usize>)>),
     mark: Mark,
 }
 
@@ -202,8 +202,14 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
                 }
             }
             Record::Channel(channel) => {
-                if !self.ids.contains_key(&channel.id) {
-                    self.fresh.1.push(channel.id);
+                let before = self.ids.get(&channel.id).copied();
+                // A number that is declared again is that of the later channel from there on.
+                let is_other = |&i: &usize| {
+                    let known = &self.read.streams[i].channel;
+                    known.topic != channel.topic || known.encoding != channel.encoding
+                };
+                if before.is_none_or(|i| is_other(&i)) {
+                    self.fresh.1.push((channel.id, before));
                     let declared = &mut self.declared[self.part];
                     declared.channels.insert(channel.id, channel.clone());
                     self.declare(channel);
@@ -251,10 +257,19 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
         // What a damaged chunk declares is believed only if nothing else does.
         let declared = &mut self.declared[self.part];
         let (schemas, channels) = std::mem::take(&mut self.fresh);
-        for id in channels {
-            self.ids.remove(&id);
+        for (id, before) in channels.into_iter().rev() {
             let channel = declared.channels.remove_entry(&id);
-            declared.doubtful_channels.extend(channel);
+            // A stream of this chunk is gone as well.
+            match before.and_then(|i| Some((i, self.read.streams.get(i)?))) {
+                Some((i, stream)) => {
+                    self.ids.insert(id, i);
+                    declared.channels.insert(id, Channel { id, ..stream.channel.clone() });
+                }
+                None => {
+                    self.ids.remove(&id);
+                    declared.doubtful_channels.extend(channel);
+                }
+            }
         }
         for id in schemas {
             self.schemas.remove(&id);

@@ -118,15 +118,19 @@ impl<R: Read + Seek> Walker<'_, R> {
             verdict => verdict,
         };
         match verdict {
-            Verdict::Whole => Ok(true),
+            Verdict::Whole => self.check_channels(offset).map(|()| true),
             // What stands before the cut is whole; the cut itself has been reported.
-            Verdict::Lost(_) | Verdict::Proven(_) if cut => Ok(false),
+            Verdict::Lost(_) | Verdict::Proven(_) if cut => {
+                self.check_channels(offset).map(|()| false)
+            }
             Verdict::Proven(why) => {
                 self.damaged(offset, &why)?;
+                self.check_channels(offset)?;
                 Ok(true)
             }
             Verdict::Lost(why) => {
                 visitor.roll_back();
+                self.forget_channels();
                 self.open_again(before.0);
                 (self.last_ns, self.messages) = (before.0, before.1);
                 self.damaged(offset, &format!("a chunk is left out: {why}"))?;

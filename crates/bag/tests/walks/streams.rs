@@ -1,7 +1,8 @@
 //! Streams over the files of a recording and over its damage.
 
 use crate::made::{
-    ALL, EACH, RECOVER, bare, chunks, flipped, last_record, message, packed, recorded, time, with,
+    ALL, CHANNEL, EACH, MESSAGE, RECOVER, bare, chunks, flipped, last_record, message, of_kind,
+    packed, recorded, refusal, time, with,
 };
 use maveric_bag::{Channel, Message, OwnedSchema, Streams, Take, Walk, read_streams};
 use mcap::{WriteOptions, records::MessageHeader};
@@ -172,4 +173,41 @@ fn messages_of_a_channel_that_nothing_declares_are_counted() {
     let found = streams(&[unknown], RECOVER);
     assert_eq!((found.streams.len(), found.undeclared), (1, ALL / 2));
     assert_eq!(times(&found, 0), of_channel(1, |_| true));
+}
+
+#[test]
+fn channel_declared_again_for_another_topic_is_damage() {
+    let plain = || bare(WriteOptions::new().use_chunks(false).compression(None));
+    let log = plain();
+    let (start, end) = of_kind(&log, CHANNEL)[0];
+    let declaration = log[start..end].to_vec();
+    let topic = declaration.windows(2).position(|w| w == b"/a").unwrap();
+    let other = with(&declaration, topic, b"/c");
+    let (at, _) = of_kind(&log, MESSAGE)[20];
+    let inserted = |record: &[u8]| {
+        let mut bytes = log.clone();
+        bytes.splice(at..at, record.iter().copied());
+        bytes
+    };
+    // The same again is no news.
+    assert_eq!(refusal(&inserted(&declaration)), None);
+    let bytes = inserted(&other);
+    let what = "channel 1 is declared again: for topic `/c`, before for `/a`";
+    assert_eq!(refusal(&bytes), Some((at as u64, what.to_owned())));
+    let found = streams(&[bytes], RECOVER);
+    let topics: Vec<&str> = found.streams.iter().map(|s| &s.channel.topic[..]).collect();
+    assert_eq!(topics, ["/a", "/b", "/c"]);
+    assert_eq!(times(&found, 0), of_channel(1, |i| i < 20));
+    assert_eq!(times(&found, 1), of_channel(2, |_| true));
+    assert_eq!(times(&found, 2), of_channel(1, |i| i >= 20));
+    assert_eq!(found.walked[0].damage.len(), 1);
+    // In a chunk it is found too.
+    let log = recorded(WriteOptions::new().compression(None).calculate_chunk_crcs(false));
+    let (start, end) = chunks(&log)[0];
+    let topic = (start..end).find(|&i| log[i..].starts_with(b"/b")).unwrap();
+    let number = topic - 4 - 4;
+    let bytes = with(&log, number, &[1, 0]);
+    let (at, what) = refusal(&bytes).unwrap();
+    assert_eq!(at, start as u64);
+    assert!(what.starts_with("channel 1 is declared again"), "{what}");
 }
