@@ -4,6 +4,7 @@ use crate::{
     median::median,
     raw::{EgoSample, EgoSamples, RawDrive, Timed},
 };
+use std::collections::BTreeSet;
 
 /// How far a clock must go back to count as set anew, in ns.
 pub(crate) const SET_BACK_NS: i64 = 1_000_000_000;
@@ -12,6 +13,11 @@ const LASTING: usize = 10;
 /// Way beyond which ego was put elsewhere, whatever its speed, in m; and how fast it may be, in m/s.
 const ELSEWHERE_M: f64 = 10.0;
 const FASTEST_MPS: f64 = 100.0;
+
+/// A day, in ns.
+const DAY_NS: u64 = 86_400_000_000_000;
+/// Share of stamps that nobody set, above which they are no mistake of single messages.
+const MOST_UNSET: f64 = 0.25;
 
 /// First and last time, in ns.
 type Span = (i64, i64);
@@ -54,6 +60,50 @@ pub(crate) fn one_clock(drive: &mut RawDrive) -> Option<&'static str> {
     };
     by_receipt(drive);
     Some(why)
+}
+
+/// Leaves out samples whose stamp nobody set, such as 0 or -1 among times of day; returns the number of their messages or rows.
+///
+/// Such a stamp is more than a day from the median one, and so is its distance from the time of receipt. Many of them are left to
+/// what else is known of the clock.
+pub(crate) fn leave_out_unset(drive: &mut RawDrive) -> usize {
+    let mut messages = BTreeSet::new();
+    leave_out_unset_of(&mut drive.ego, &mut messages);
+    leave_out_unset_of(&mut drive.objects, &mut messages);
+    leave_out_unset_of(&mut drive.speeds, &mut messages);
+    if let Some(sightings) = &mut drive.sightings {
+        leave_out_unset_of(sightings, &mut messages);
+    }
+    messages.len()
+}
+
+fn leave_out_unset_of(samples: &mut impl Timed, messages: &mut BTreeSet<(u32, i64)>) {
+    let stamps = samples.stamps();
+    let ends = stamps.iter().min().zip(stamps.iter().max());
+    if ends.is_none_or(|(first, last)| last.abs_diff(*first) <= DAY_NS) {
+        return;
+    }
+    let late =
+        || stamps.iter().zip(samples.receipts()).map(|(stamp, log)| log.saturating_sub(*stamp));
+    let middle = |mut values: Vec<i64>| {
+        values.sort_unstable();
+        values[values.len() / 2]
+    };
+    let (usual, usual_late) = (middle(stamps.to_vec()), middle(late().collect()));
+    // Rows of a table have no time of receipt.
+    let is_far = |(stamp, late): (&i64, i64)| {
+        stamp.abs_diff(usual) > DAY_NS
+            && (late.abs_diff(usual_late) > DAY_NS || late == 0 && *stamp <= 0)
+    };
+    let unset: Vec<bool> = stamps.iter().zip(late()).map(is_far).collect();
+    let count = unset.iter().filter(|unset| **unset).count();
+    if count as f64 > MOST_UNSET * unset.len() as f64 {
+        return;
+    }
+    let places = samples.numbers().iter().zip(samples.receipts());
+    let of_unset = places.zip(&unset).filter(|(_, unset)| **unset);
+    messages.extend(of_unset.map(|((nth, log), _)| (*nth, *log)));
+    samples.keep(|i| !unset[i]);
 }
 
 /// Puts every sample on its time of receipt.

@@ -2,6 +2,7 @@
 
 use crate::{
     assemble::assemble,
+    clock::leave_out_unset,
     error::IngestError,
     mapping::{FrameKind, Layout, Mapping, RoadMapping, TableMapping, names::meta_of},
     plausible::along_x,
@@ -89,7 +90,10 @@ fn ingested(
 ) -> Result<Ingested, IngestError> {
     let mapping = settings.mapping.as_ref();
     let mapped = mapping.and_then(|m| m.road).unwrap_or(RoadMapping::UNKNOWN);
-    let TableDrive { mut captures, road, lane_steps, raw, mut warnings, .. } = drive;
+    let TableDrive { mut captures, road, lane_steps, mut raw, mut warnings, .. } = drive;
+    let unset = leave_out_unset(&mut raw);
+    let what = "rows are skipped: their time is 0 or less, as if it was not set, and more than a day from the others";
+    report(&mut warnings, path, WarningKind::MissingValue, unset, what);
     let road = road.unwrap_or(mapped);
     let world = Target::mapped(settings)?;
     let target = Target {

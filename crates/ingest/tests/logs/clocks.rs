@@ -137,3 +137,25 @@ fn a_table_whose_time_starts_anew_makes_two_segments_and_is_not_shuffled() {
     let fits = |(v, s): (&f64, &u32)| (v - if *s == 0 { 20.0 } else { 5.0 }).abs() < 1e-9;
     assert!(ego.speed_mps.iter().zip(segments).all(fits));
 }
+
+#[test]
+fn message_with_an_unset_stamp_is_skipped_and_counted() {
+    let bytes = bytes_of(&recording(false));
+    let wall = 1_700_000_000_000_000_000;
+    let minus_one = u64::from(u32::MAX) * SECOND;
+    for (stamp, ego_only) in [(0, true), (minus_one, true), (0, false)] {
+        for at in [0, 20 * SECOND, 59_950_000_000] {
+            let bad = |t: u64, ego: bool| t == at && ego == ego_only;
+            let time = |t: u64, ego: bool| (wall + t, if bad(t, ego) { stamp } else { wall + t });
+            let found = read(&with(&bytes, &time), false).unwrap();
+            let skipped =
+                |w: &&maveric_ingest::Warning| w.what.contains("header stamp is more than a day");
+            let count: Vec<usize> =
+                found.warnings.iter().filter(skipped).map(|w| w.count).collect();
+            assert_eq!(count, [1], "{stamp} {at}: {:?}", found.warnings);
+            let lost = usize::from(at != 20 * SECOND);
+            assert_eq!(found.recording.rows(), ROWS - lost, "{stamp} {at}");
+            assert_eq!(found.recording.segment().last(), Some(&0));
+        }
+    }
+}

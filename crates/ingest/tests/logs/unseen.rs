@@ -278,3 +278,18 @@ fn speed_lost_for_a_while_is_reported() {
     assert!(said(&of_lead, "speed of another vehicle does not fit its positions") >= 120);
     assert_eq!(said(&read(&|i| row(i, 20.0, 20.0)), "does not fit its positions"), 0);
 }
+
+#[test]
+fn row_with_an_unset_time_is_skipped_and_counted() {
+    let columns = "time ego_speed gap lead_speed";
+    let row = |i: u32| {
+        let t = if i == 100 { 0.0 } else { 1_700_000_000.0 + f64::from(i) / 10.0 };
+        format!("{t},20,30,20")
+    };
+    let found = of_pair(columns, &(0..600).map(row).collect::<Vec<_>>()).unwrap();
+    assert_eq!(said(&found, "their time is 0 or less"), 1);
+    assert_eq!(found.recording.rows(), 1199);
+    // Times that begin at 0 are times.
+    let from_zero = of_pair(columns, &drive()).unwrap();
+    assert_eq!(said(&from_zero, "their time is 0 or less"), 0);
+}

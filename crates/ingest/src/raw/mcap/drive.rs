@@ -10,7 +10,7 @@ use super::{
     slots::Role,
 };
 use crate::{
-    clock::one_clock,
+    clock::{leave_out_unset, one_clock},
     quality::{Warning, WarningKind},
     raw::{ObjectSample, ObjectSamples, RawDrive, Sightings, SpeedSample},
 };
@@ -88,6 +88,11 @@ pub(super) fn drive_of(
     };
     if is_fix {
         flatten(&mut drive.ego);
+    }
+    let unset = leave_out_unset(&mut drive);
+    if unset > 0 {
+        let what = "messages are skipped: their header stamp is more than a day from the others, as if it was not set";
+        warn(WarningKind::BadMessage, unset, what);
     }
     if let Some(what) = one_clock(&mut drive) {
         let count = drive.ego.len() + drive.objects.len() + drive.speeds.len();
