@@ -91,6 +91,7 @@ fn walk_with(
         data_ended: false,
         resume: 0,
         lost: 0,
+        begin: 0,
         channels: BTreeMap::new(),
         undo: Vec::new(),
         declared_again: None,
@@ -118,6 +119,8 @@ struct Walker<'a, R> {
     resume: u64,
     /// Where the last chunk that cannot be trusted should end: what chunks hold is none of the file's own before that.
     lost: u64,
+    /// Where the recording begins: behind another one if files were joined.
+    begin: u64,
     /// As they were declared last, by number.
     channels: BTreeMap<u16, Channel>,
     /// What the records that are being read have put in the place of other declarations.
@@ -160,7 +163,13 @@ impl<R: Read + Seek> Walker<'_, R> {
             }
             self.resume = offset + 1;
             if opcode == op::FOOTER {
-                return self.footer(offset, length);
+                self.footer(offset, length)?;
+                match self.behind(body + length, visitor)? {
+                    Some(next) => offset = next,
+                    None => return Ok(()),
+                }
+                self.resume = offset;
+                continue;
             }
             self.plain(offset, opcode, length, visitor)?;
             offset = body + length;
@@ -245,6 +254,7 @@ impl<R: Read + Seek> Walker<'_, R> {
             Some(Account::Footer(footer)) => (footer.summary_start, footer.summary_crc),
             _ => (0, 0),
         };
+        let summary_start = if summary_start == 0 { 0 } else { self.begin + summary_start };
         if summary_start > offset {
             return self.damaged(offset, "the footer points behind the end of the file");
         }
@@ -276,6 +286,33 @@ impl<R: Read + Seek> Walker<'_, R> {
             ),
             _ => Ok(()),
         }
+    }
+
+    /// Reports what is behind the magic that ends a recording; gives where the records of another one begin.
+    fn behind(&mut self, end: u64, visitor: &mut impl Visitor) -> Result<Option<u64>, BagError> {
+        let magic = mcap::MAGIC.len() as u64;
+        let begin = end + magic;
+        let left = self.length.saturating_sub(begin);
+        if left == 0 {
+            return Ok(None);
+        }
+        self.load(begin, magic.min(left))?;
+        if self.buffer != mcap::MAGIC {
+            self.damaged(begin, &format!("{left} bytes follow the end of the recording"))?;
+            return Ok(None);
+        }
+        self.damaged(
+            begin,
+            "another recording begins behind the end of this one: files were joined",
+        )?;
+        (self.begin, self.data_ended, self.claimed_messages) = (begin, false, None);
+        (self.messages, self.lost) = (0, 0);
+        self.channels.clear();
+        self.crc = Some(crc32fast::Hasher::new());
+        self.load(begin, magic)?;
+        self.hash_buffer();
+        visitor.begin();
+        Ok(Some(begin + magic))
     }
 
     /// Opcode and length at `offset`; none where the file ends.

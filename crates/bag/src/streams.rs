@@ -232,6 +232,11 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
         }
     }
 
+    fn begin(&mut self) {
+        self.schemas.clear();
+        self.ids.clear();
+    }
+
     fn passed_over(&mut self) {
         self.read.too_long += 1;
     }

@@ -17,6 +17,8 @@ pub struct Damage {
 pub trait Visitor {
     /// The next record.
     fn record(&mut self, record: Record<'_>);
+    /// Another recording begins in the same file: numbers of schemas and channels are its own.
+    fn begin(&mut self) {}
     /// A message that is too long to be read was passed over.
     fn passed_over(&mut self);
     /// A chunk begins: remember where you are.

@@ -316,3 +316,38 @@ fn a_recording_that_starts_or_ends_as_none_does_says_so() {
     is_told(&log[..5], &[], &[(0, magic, (None, None)), (8, cut, (None, None))]);
     is_told(&[], &[], &[(0, magic, (None, None)), (8, cut, (None, None))]);
 }
+
+#[test]
+fn bytes_behind_the_end_are_damage() {
+    let log = packed(Some(Compression::Zstd));
+    let mut more = log.clone();
+    more.extend([0xa5; 4096]);
+    let what = "4096 bytes follow the end of the recording";
+    is_told(&more, &all(), &[(log.len(), what, END)]);
+}
+
+#[test]
+fn recording_behind_another_is_read_with_recovery() {
+    for compression in PACKINGS {
+        let log = packed(compression);
+        let twice = [&log[..], &log].concat();
+        let what = "another recording begins behind the end of this one: files were joined";
+        let both = [all(), all()].concat();
+        is_told(&twice, &both, &[(log.len(), what, (Some(ALL - 1), Some(0)))]);
+    }
+    // Channels of the second are its own.
+    let log = packed(None);
+    let mut other = bare(WriteOptions::new().compression(None));
+    let topics: Vec<usize> = (0..other.len()).filter(|&i| other[i..].starts_with(b"/a")).collect();
+    topics.iter().for_each(|&at| other[at + 1] = b'c');
+    let (notes, walked) = recovered(&[&log[..], &other].concat());
+    assert_eq!(walked.damage.len(), 1, "{:?}", walked.damage);
+    assert_eq!(notes.messages.len(), 2 * ALL);
+    // Damage of the second is told at its place.
+    let (start, _) = chunks(&log)[1];
+    let cut = [&log[..], &flipped(&log, start + 9 + 24, 1)].concat();
+    let (notes, walked) = recovered(&cut);
+    assert_eq!(notes.messages, [all(), without(1)].concat());
+    assert_eq!(walked.damage[1].at_byte as usize, log.len() + start);
+    assert_eq!(walked.damage.len(), 2, "{:?}", walked.damage);
+}

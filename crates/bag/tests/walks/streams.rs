@@ -211,3 +211,16 @@ fn channel_declared_again_for_another_topic_is_damage() {
     assert_eq!(at, start as u64);
     assert!(what.starts_with("channel 1 is declared again"), "{what}");
 }
+
+#[test]
+fn joined_recordings_keep_their_own_channels() {
+    let first = file(&[("/a", None, "json", &[1, 2]), ("/b", None, "json", &[3])]);
+    let second = file(&[("/b", None, "json", &[4, 5]), ("/c", None, "json", &[6])]);
+    let found = streams(&[[first, second].concat()], RECOVER);
+    let topics: Vec<&str> = found.streams.iter().map(|s| &s.channel.topic[..]).collect();
+    assert_eq!(topics, ["/a", "/b", "/c"]);
+    assert_eq!(times(&found, 0), [1, 2]);
+    assert_eq!(times(&found, 1), [3, 4, 5]);
+    assert_eq!(times(&found, 2), [6]);
+    assert_eq!(found.walked[0].damage.len(), 1);
+}
