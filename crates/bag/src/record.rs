@@ -8,6 +8,8 @@ pub(crate) mod op {
         CHANNEL, CHUNK, DATA_END, FOOTER, HEADER, MESSAGE, MESSAGE_INDEX, METADATA, SCHEMA,
         STATISTICS,
     };
+    /// The lowest opcode of private records, which may hold anything.
+    pub(crate) const FIRST_PRIVATE: u8 = 0x80;
     /// The highest opcode that the format has given out.
     pub(crate) const LAST_KNOWN: u8 = DATA_END;
 }
@@ -166,6 +168,7 @@ pub(crate) fn is_plausible(opcode: u8, start: &[u8], length: u64) -> bool {
             array.is_some_and(|a| a % 16 == 0 && length >= 6 + u64::from(a))
         }
         op::FOOTER => length >= 20,
+        op::FIRST_PRIVATE.. => true,
         _ => length >= 4,
     }
 }

@@ -54,6 +54,7 @@ impl<R: Read + Seek> Walker<'_, R> {
                 op::MESSAGE => 22,
                 op::HEADER | op::SCHEMA | op::CHANNEL | op::METADATA => 8,
                 1..=op::LAST_KNOWN => 4,
+                op::FIRST_PRIVATE.. => 0,
                 _ => return Ok(false),
             };
             let fits = length >= least && length <= left - HEAD as u64;

@@ -3,7 +3,7 @@
 use crate::made::{
     ALL, CHANNEL, CHUNK, CHUNKS, DATA_END, EACH, FOOTER, Heard, MESSAGE, MESSAGE_INDEX, PACKINGS,
     SCHEMA, STATISTICS, bare, chunks, flipped, last_record, messages, of_kind, packed, recorded,
-    recovered, refusal, time, with,
+    records, recovered, refusal, time, with,
 };
 use mcap::{Compression, WriteOptions};
 
@@ -350,4 +350,20 @@ fn recording_behind_another_is_read_with_recovery() {
     assert_eq!(notes.messages, [all(), without(1)].concat());
     assert_eq!(walked.damage[1].at_byte as usize, log.len() + start);
     assert_eq!(walked.damage.len(), 2, "{:?}", walked.damage);
+}
+
+#[test]
+fn private_record_of_any_length_is_passed_over() {
+    for log in [bare(WriteOptions::new()), bare(WriteOptions::new().use_chunks(false))] {
+        let at = records(&log)[1].1;
+        for opcode in [0x80, 0x9b, 0xff] {
+            for length in 0..10_usize {
+                let record =
+                    [&[opcode][..], &(length as u64).to_le_bytes(), &vec![7; length]].concat();
+                let mut bytes = log.clone();
+                bytes.splice(at..at, record);
+                is_told(&bytes, &all(), &[]);
+            }
+        }
+    }
 }
