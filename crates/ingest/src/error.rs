@@ -307,7 +307,7 @@ impl IngestError {
                     .to_owned()
             }
             Self::TooManyRows { .. } => {
-                "its times may be in another unit than `time` of `[table.units]` says, or times of day that begin anew at midnight: those need the date"
+                "its times may be in another unit than `time` of `[table.units]` says, or times of day over several days: those need the date"
                     .to_owned()
             }
             Self::Implausible { .. } => {

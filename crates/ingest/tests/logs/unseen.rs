@@ -293,3 +293,32 @@ fn row_with_an_unset_time_is_skipped_and_counted() {
     let from_zero = of_pair(columns, &drive()).unwrap();
     assert_eq!(said(&from_zero, "their time is 0 or less"), 0);
 }
+
+#[test]
+fn times_of_day_go_on_over_midnight() {
+    let columns = "time ego_speed gap lead_speed";
+    let pattern = pair(columns).replace("time = \"s\"", "time = \"pattern\"").replacen(
+        "[table]\n",
+        "[table]\ntime_pattern = \"%H:%M:%S.%f\"\n",
+        1,
+    );
+    // From half a minute before midnight to half a minute behind it.
+    let of_day = |i: u32| (86_370 + i / 10) % 86_400;
+    let as_text = |i: u32| {
+        let s = of_day(i);
+        format!("{:02}:{:02}:{:02}.{}", s / 3600, s / 60 % 60, s % 60, i % 10)
+    };
+    let as_number = |i: u32| format!("{}.{}", of_day(i), i % 10);
+    for (mapping, time) in
+        [(pattern, &as_text as &dyn Fn(u32) -> String), (pair(columns), &as_number)]
+    {
+        let row = |i: u32| format!("{},{},30,20\n", time(i), 20.0 + f64::from(i) / 600.0);
+        let rows: String = (0..600).map(row).collect();
+        let text = format!("{}\n{rows}", columns.replace(' ', ","));
+        let found = mapped(&mapping, &text).unwrap().remove(0);
+        let recording = &found.recording;
+        assert!(recording.time_s().last().unwrap() < &60.0, "{:?}", recording.time_s().last());
+        assert_eq!(recording.segment().last(), Some(&0));
+        assert!(recording.ego().speed_mps.is_sorted(), "before midnight comes first");
+    }
+}

@@ -63,7 +63,9 @@ pub(super) fn as_written(
                 stamp_ns => Ok(stamp_ns),
             },
         };
-        return words.map(stamp).collect();
+        let mut stamps_ns = words.map(stamp).collect::<Result<Vec<_>, _>>()?;
+        over_midnight(&mut stamps_ns);
+        return Ok(stamps_ns);
     }
     let stamp = |(row, value): (usize, f64)| {
         if value.is_nan() {
@@ -88,7 +90,38 @@ pub(super) fn as_written(
     for cell in numbers.into_iter().enumerate() {
         stamps_ns.push(stamp(cell)?);
     }
+    over_midnight(&mut stamps_ns);
     Ok(stamps_ns)
+}
+
+/// A day, in ns.
+const DAY_NS: i64 = 86_400_000_000_000;
+
+/// Lets times of day go on over midnight: each is on the day on which it is nearest to the one in the row before.
+///
+/// Times of day are those of which all are within one day; a date or a stamp since 1970 is none. A table that is longer than half a
+/// day then is left as it is written.
+fn over_midnight(stamps_ns: &mut [Option<i64>]) {
+    let half_ns = DAY_NS / 2;
+    let known = || stamps_ns.iter().flatten().copied();
+    let jumps = || known().zip(known().skip(1)).any(|(a, b)| a.abs_diff(b) > half_ns as u64);
+    if !known().all(|ns| (0..DAY_NS).contains(&ns)) || !jumps() {
+        return;
+    }
+    let mut before: Option<i64> = None;
+    let go_on = |ns: i64| {
+        let days = before.map_or(0, |before| (before - ns + half_ns).div_euclid(DAY_NS));
+        let on_its_day = ns + days * DAY_NS;
+        before = Some(on_its_day);
+        on_its_day
+    };
+    let days: Vec<i64> = known().map(go_on).collect();
+    let ends = days.iter().min().zip(days.iter().max());
+    if ends.is_some_and(|(first, last)| last - first < half_ns) {
+        for (stamp_ns, on_its_day) in stamps_ns.iter_mut().flatten().zip(days) {
+            *stamp_ns = on_its_day;
+        }
+    }
 }
 
 /// Patterns that leave no doubt which number is what: of two before a year, between slashes, either may be the month.
