@@ -125,6 +125,9 @@ impl Measure {
     }
 }
 
+/// Why a drive has no measure of lanes: it may have lateral positions in a lane that is the only known one.
+const WITHOUT_LANES: &str = "the log has no lateral positions, or its road has one lane, by `lanes` of the mapping or without a mapping of the road";
+
 /// The measures of method section 8, in its order.
 static ALL: [Measure; 7] = [
     mean_velocity::MEASURE,
@@ -194,6 +197,18 @@ mod tests {
         assert_eq!(names.len(), 7 + 9 + 3);
         assert!(names.iter().all(|n| find(n).is_some()));
         assert!(find("mean_speed").is_none());
+    }
+
+    #[test]
+    fn missing_lanes_are_explained_by_a_single_lane() {
+        let drive = Scripted::new(60.0).pass(8.0, 28.0).drive();
+        let one_lane = drive.seen_by(Sees { lanes: false, ..Sees::ALL });
+        assert!(one_lane.has_lateral());
+        for name in ["lane_changes", "left_lane_fraction"] {
+            let measure = find(name).unwrap();
+            assert_eq!(measure.of(&one_lane), None);
+            assert!(measure.why_missing.contains("one lane"), "{}", measure.why_missing);
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Number of lane changes.
 
-use super::{Measure, Shown};
+use super::{Measure, Shown, WITHOUT_LANES};
 use maveric_domain::design::Sign;
 
 pub(super) const MEASURE: Measure = Measure {
@@ -12,7 +12,7 @@ pub(super) const MEASURE: Measure = Measure {
     description: "Count of completed lane changes, to either side.",
     of_passing: true,
     grows: true,
-    why_missing: "the log has no lateral positions",
+    why_missing: WITHOUT_LANES,
     value: |drive| {
         let completed = drive.lane_changes().iter().filter(|c| c.completed).count();
         drive.sees().lanes.then_some(completed as f64)

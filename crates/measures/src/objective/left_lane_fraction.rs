@@ -1,6 +1,6 @@
 //! Fraction of time in the left lane.
 
-use super::{Measure, Shown};
+use super::{Measure, Shown, WITHOUT_LANES};
 
 pub(super) const MEASURE: Measure = Measure {
     name: "left_lane_fraction",
@@ -11,7 +11,7 @@ pub(super) const MEASURE: Measure = Measure {
     description: "Share of rows with ego left of the rightmost lane.",
     of_passing: true,
     grows: false,
-    why_missing: "the log has no lateral positions",
+    why_missing: WITHOUT_LANES,
     // Rows are evenly sampled, so a share of rows is a share of time.
     value: |drive| {
         let left = drive.rows().lane.iter().filter(|&&lane| lane > 0).count();
