@@ -261,8 +261,11 @@ fn a_refusal_names_the_table_and_the_cell() {
     let call = "compare --subject id --between group --value score";
     let words = ["d.csv", "`P1` occurs twice", "changes within subjects"];
     stats(&study, call, SCORES).failed(1, &words);
-    let call = "compare --subject id --within condition,group,speed --value score";
-    stats(&study, call, SCORES).failed(1, &["factors within subjects", "at most 2, got 3"]);
+    let call = "compare --subject id --within condition,again,speed --value score";
+    let again = |line: &str| format!("{line},{}\n", line.split(',').nth(2).unwrap());
+    let three: String = SCORES.lines().map(again).collect();
+    let three = three.replacen("condition\n", "again\n", 1);
+    stats(&study, call, &three).failed(1, &["factors within subjects", "at most 2, got 3"]);
 }
 
 #[test]

@@ -575,3 +575,79 @@ fn ordered_answers_of_several_factors_say_that_their_numbers_count() {
     assert!(of("--ordinal").contains("the answers' numbers"));
     assert!(!of("").contains("the answers' numbers"));
 }
+
+/// Eight people in a car and eight in a truck who have the same ids, in two styles.
+fn reused_ids() -> String {
+    let mut rows = table().lines().map(str::to_owned).collect::<Vec<_>>();
+    for row in &mut rows[1..] {
+        let (id, rest) = row.split_once(',').unwrap();
+        let number: usize = id[1..].parse().unwrap();
+        *row = format!("P{},{rest}", number / 2);
+    }
+    rows.join("\n") + "\n"
+}
+
+#[test]
+fn ids_of_two_groups_are_refused_everywhere() {
+    let study = with(&reused_ids());
+    for test in ["factorial", "compare", "mixed"] {
+        let words =
+            format!("{test} --subject id --within style --between vehicle --value score {LOW}");
+        let named = ["subject `P0`", "`car`", "`truck`", "`vehicle`", "share a name"];
+        call(&study, &words, &[]).failed(1, &named);
+    }
+}
+
+#[test]
+fn roles_of_a_mixed_model_are_stated() {
+    let study = with(&table());
+    let fixed = json(&study, "mixed --subject id --fixed vehicle*style+age --value score");
+    let roles = serde_json::json!({"within": ["style"], "between": ["vehicle", "age"]});
+    assert_eq!(fixed["roles"], roles);
+    let study = with(&reused_ids());
+    let fixed = "mixed --subject id --fixed vehicle*style --value score";
+    assert_eq!(json(&study, fixed)["roles"]["within"], serde_json::json!(["vehicle", "style"]));
+    let said = call(&study, fixed, &[]).ok();
+    tells(&said.stdout, &["change within subjects: vehicle, style"]);
+    let covariate = "mixed --subject id --within style --covariate age --value score";
+    let said = call(&study, covariate, &[]).ok();
+    tells(&said.stderr, &["`age` changes within subjects", "P0", "share an id"]);
+}
+
+#[test]
+fn one_reused_id_in_a_formula_warns() {
+    let study = with(&table().replace("P1,", "P0,"));
+    let said = call(&study, "mixed --subject id --fixed vehicle*style --value score", &[]).ok();
+    tells(&said.stderr, &["`vehicle` has several values for `P0`", "one for 14 others"]);
+}
+
+#[test]
+fn a_factor_within_that_nobody_changes_is_refused() {
+    let study = with(&table());
+    for test in ["factorial", "compare", "mixed", "within", "rm-anova", "friedman", "ordinal"] {
+        let value = if test == "ordinal" { "answer" } else { "score" };
+        let words = format!(
+            "{test} --subject id --within vehicle --value {value} --where style=calm {LOW}"
+        );
+        let named = ["no subject has two levels of `vehicle`", "--between"];
+        call(&study, &words, &[]).failed(1, &named);
+    }
+}
+
+#[test]
+fn a_column_in_two_roles_is_refused() {
+    let study = with(&table());
+    for (words, column) in [
+        ("mixed --subject id --within style --covariate score --value score", "score"),
+        ("mixed --subject id --fixed id --value score", "id"),
+        ("compare --subject id --within style --between id --value score", "id"),
+        ("compare --subject id --within style --covariate score --value score", "score"),
+        ("factorial --subject id --within style --between style --value score", "style"),
+        ("within --subject id --within id --value score", "id"),
+        ("rmcorr --subject id --x age --y age", "age"),
+        ("correlate --x age --y age", "age"),
+        ("groups --between score --value score", "score"),
+    ] {
+        call(&study, words, &[]).failed(1, &[&format!("`{column}` has two roles")]);
+    }
+}

@@ -122,6 +122,14 @@ pub enum StatsError {
         /// The other.
         second: String,
     },
+    /// A factor within subjects whose level no subject changes.
+    #[error(
+        "no subject has two levels of `{factor}`, expected a factor within subjects to change within them"
+    )]
+    NeverChanges {
+        /// The factor.
+        factor: String,
+    },
     /// A predictor that the others determine.
     #[error(
         "`{name}` is determined by the other predictors, expected columns that are not sums of each other"
@@ -253,6 +261,9 @@ impl StatsError {
             ),
             Self::TwoGroups { .. } => Some(
                 "a factor that changes within a subject is a within factor; or two people share a name",
+            ),
+            Self::NeverChanges { .. } => Some(
+                "name it by --between (`stats compare`, `factorial`, `mixed`, `groups`); or one person has several ids",
             ),
             Self::EmptyCell { .. } => {
                 Some("leave out its level, or a factor, or subjects' missing values")

@@ -61,7 +61,7 @@ impl<T: Test> Call<T> {
         let table = input.read(whole, test.long(), T::NAME)?;
         let by_value = by_value(test, &table).into_iter();
         let runs = by_value.map(|(outcome, test)| {
-            let ran = test.run(&table);
+            let ran = test.roles().check(&table).and_then(|()| test.run(&table));
             let long = test.long();
             let ran =
                 ran.map_err(|e| with_shape(in_table(e, &table, &outcome), &table, input, long))?;

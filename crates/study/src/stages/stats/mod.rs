@@ -8,6 +8,7 @@ mod methods;
 mod pictures;
 mod printed;
 mod ran;
+mod roles;
 mod rows;
 mod statistical_test;
 

@@ -58,6 +58,14 @@ impl Printed {
         Self { heading, tables: Vec::new() }
     }
 
+    /// Adds a line to the heading, unless it is empty.
+    pub(super) fn also(mut self, line: String) -> Self {
+        if !line.is_empty() {
+            self.heading.push(line);
+        }
+        self
+    }
+
     /// How many rows or values were left out.
     fn left_out(mut self, missing: usize, what: &str) -> Self {
         if missing > 0 {

@@ -3,6 +3,7 @@
 use super::{
     columns,
     input::{Long, ROW},
+    roles::{Role, Roles},
 };
 use crate::{error::StudyError, tables::Table};
 use clap::builder::ArgPredicate;
@@ -50,6 +51,16 @@ impl FactorColumns {
     pub(super) fn lacks(&self) -> Option<&'static str> {
         let nobody = self.subject.is_none() && !self.within.is_empty();
         nobody.then_some("--subject with --within")
+    }
+
+    /// Each column with its role.
+    pub(super) fn roles(&self) -> Roles {
+        Roles::default()
+            .and(Role::Subject, self.subject.as_deref())
+            .and(Role::Within, &self.within)
+            .and(Role::Between, &self.between)
+            .and(Role::Covariate, &self.covariates)
+            .and(Role::Number, [&self.value])
     }
 
     /// As conditions, where there is one factor within subjects.

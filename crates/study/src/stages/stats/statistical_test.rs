@@ -1,6 +1,6 @@
 //! What a test is: columns, and what it makes of them.
 
-use super::{input::Long, ran::Ran};
+use super::{input::Long, ran::Ran, roles::Roles};
 use crate::{error::StudyError, tables::Table};
 
 /// A test: its fields are the columns that it reads and how it does so, with their help and defaults.
@@ -20,6 +20,11 @@ pub trait Test: clap::Args + Clone {
     /// The columns that a wide table becomes; none if the test compares no conditions.
     fn long(&self) -> Option<Long<'_>> {
         None
+    }
+
+    /// The columns that it reads, each with its role.
+    fn roles(&self) -> Roles {
+        self.long().map(Roles::of_long).unwrap_or_default()
     }
 
     /// The column of values, if there is one; several are tested one by one.

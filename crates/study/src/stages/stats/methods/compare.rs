@@ -1,7 +1,8 @@
 //! The test that a design calls for.
 
 use super::{
-    ALPHA, DesignRows, FactorColumns, Ran, StudyError, Table, Test, WithinColumns, by_its_columns,
+    ALPHA, DesignRows, FactorColumns, Ran, Role, Roles, StudyError, Table, Test, WithinColumns,
+    by_its_columns,
     choices::{MISSING, one_of},
     pictures, plain, printed,
 };
@@ -45,6 +46,10 @@ impl Test for Compare {
 
     fn lacks(&self) -> Option<&'static str> {
         self.columns.lacks()
+    }
+
+    fn roles(&self) -> Roles {
+        self.columns.roles().and(Role::Covariate, &self.covariate)
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {

@@ -1,7 +1,7 @@
 //! Correlation of two columns.
 
 use super::{
-    Ran, StudyError, Table, Test,
+    Ran, Role, Roles, StudyError, Table, Test,
     choices::{CORRELATION, one_of},
     labels, pictures, printed,
 };
@@ -29,6 +29,11 @@ pub struct Correlate {
 
 impl Test for Correlate {
     const NAME: &'static str = "correlate";
+
+    fn roles(&self) -> Roles {
+        let roles = Roles::default().and(Role::Subject, &self.subject);
+        roles.and(Role::Number, [&self.x, &self.y])
+    }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let (x, y) = (&self.x, &self.y);

@@ -1,7 +1,7 @@
 //! Factors within and between subjects.
 
 use super::{
-    DesignRows, FactorColumns, Ran, StudyError, Table, Test, by_its_columns,
+    DesignRows, FactorColumns, Ran, Roles, StudyError, Table, Test, by_its_columns,
     choices::{FACTORIAL, FactorialMethod, one_of},
     pictures, printed,
 };
@@ -29,6 +29,10 @@ impl Test for Factorial {
 
     fn lacks(&self) -> Option<&'static str> {
         self.columns.lacks()
+    }
+
+    fn roles(&self) -> Roles {
+        self.columns.roles()
     }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {

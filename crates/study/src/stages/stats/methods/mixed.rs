@@ -1,7 +1,10 @@
 //! A linear model with a random intercept.
 
-use super::{DesignRows, FactorColumns, Ran, StudyError, Table, Test, labels, pictures, printed};
+use super::{
+    DesignRows, FactorColumns, Ran, Role, Roles, StudyError, Table, Test, labels, pictures, printed,
+};
 use maveric_stats::{Formula, Predictor, RandomIntercept, random_intercept};
+use serde_json::json;
 
 /// A linear model with a random intercept: coefficients, terms, marginal means; Satterthwaite's degrees of freedom
 #[derive(Debug, Clone, clap::Args)]
@@ -41,6 +44,17 @@ impl Test for Mixed {
         Some(&mut self.value)
     }
 
+    fn roles(&self) -> Roles {
+        let fixed = self.fixed.iter().flat_map(|formula| formula.predictors());
+        Roles::default()
+            .and(Role::Subject, [&self.subject])
+            .and(Role::Between, &self.between)
+            .and(Role::Within, &self.within)
+            .and(Role::Covariate, &self.covariate)
+            .and(Role::Predictor, fixed)
+            .and(Role::Number, [&self.value])
+    }
+
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let formula = self.formula()?;
         let cells = formula.predictors().iter().map(|n| self.cells(table, n));
@@ -62,7 +76,12 @@ impl Test for Mixed {
         let model = random_intercept(&people, &formula, &predictors, &table.numbers(&self.value)?)?;
         let shown = self.shown(table, &model, covariates)?;
         let picture = pictures::mixed(shown.as_ref(), &self.value, &model);
-        Ok(Ran::new(&model, printed::mixed(&model)).drawn(picture))
+        let roles = self.roles().found(table)?;
+        let printed = printed::mixed(&model).also(roles.line());
+        let mut ran = Ran::new(&model, printed).drawn(picture);
+        ran.value["roles"] = roles.value();
+        ran.value["warnings"] = json!(roles.warnings);
+        Ok(ran)
     }
 }
 

@@ -30,6 +30,7 @@ use super::{
     input::Long,
     pictures, printed,
     ran::{ALPHA, Ran, plain},
+    roles::{Role, Roles},
     rows::{DesignRows, FactorColumns},
     statistical_test::{Test, by_its_columns},
 };

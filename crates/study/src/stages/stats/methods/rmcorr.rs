@@ -1,6 +1,6 @@
 //! Correlation within subjects.
 
-use super::{Ran, StudyError, Table, Test, labels, pictures, printed};
+use super::{Ran, Role, Roles, StudyError, Table, Test, labels, pictures, printed};
 use maveric_stats::rm_correlation;
 
 /// Repeated-measures correlation: several rows a subject
@@ -22,6 +22,11 @@ pub struct Rmcorr {
 
 impl Test for Rmcorr {
     const NAME: &'static str = "rmcorr";
+
+    fn roles(&self) -> Roles {
+        let roles = Roles::default().and(Role::Subject, [&self.subject]);
+        roles.and(Role::Number, [&self.x, &self.y])
+    }
 
     fn run(&self, table: &Table) -> Result<Ran, StudyError> {
         let (x, y) = (&self.x, &self.y);
