@@ -12,6 +12,7 @@ mod outputs;
 mod outputs_dictionary;
 mod own_measures;
 mod paper_in_the_seat;
+mod people_tables;
 mod pipeline;
 mod recovery;
 mod repeats;

@@ -216,11 +216,27 @@ impl<'a> Columns<'a> {
         missing: &[&str],
     ) -> Result<Option<i32>, String> {
         let text = text.trim();
-        if self.is_missing(text, missing) || matches!(text, "" | "NA" | "null") {
-            return Ok(None);
-        }
         let columns = self.mapped(slot.scale);
         let scale = &self.scales[slot.scale];
+        let add = columns.and_then(|c| c.add).unwrap_or(add);
+        // oTree and spreadsheets may write 3 as 3.0.
+        let whole = text.strip_suffix(".0").unwrap_or(text).parse::<i32>().ok();
+        let number = whole.and_then(|n| n.checked_add(add)).filter(|n| item.takes(*n));
+        let of_scale = columns.and_then(|c| c.missing.as_ref());
+        let is_missing = match of_scale {
+            Some(words) => words.iter().any(|word| word == text),
+            None => self.is_missing(text, missing),
+        };
+        if is_missing && of_scale.is_none() && number.is_some() {
+            let id = &scale.id;
+            return Err(format!(
+                "`{text}` is a code for no answer, and an answer of the scale, which runs from {}; state the codes of this scale in the map of columns: [scales.{id}] missing = [] if it has none",
+                item.range()
+            ));
+        }
+        if is_missing || matches!(text, "" | "NA" | "null") {
+            return Ok(None);
+        }
         let labels = columns.map(|c| c.labels.as_slice()).unwrap_or_default();
         let mut labelled = item.answers().zip(labels);
         let labelled = labelled.find(|(_, l)| l.trim().eq_ignore_ascii_case(text));
@@ -228,13 +244,10 @@ impl<'a> Columns<'a> {
         if let Some(answer) = in_words.or_else(|| scale.answer_in_words(slot.item, text)) {
             return Ok(Some(answer));
         }
-        let add = columns.and_then(|c| c.add).unwrap_or(add);
-        // oTree and spreadsheets may write 3 as 3.0.
-        let whole = text.strip_suffix(".0").unwrap_or(text).parse::<i32>().ok();
-        match whole.and_then(|n| n.checked_add(add)) {
-            Some(answer) if item.takes(answer) => Ok(Some(answer)),
-            _ if text.starts_with('=') => Err(in_place_of_value(text)),
-            _ => {
+        match number {
+            Some(answer) => Ok(Some(answer)),
+            None if text.starts_with('=') => Err(in_place_of_value(text)),
+            None => {
                 let written = Item { min: item.min - add, max: item.max - add, ..item.clone() };
                 Err(format!(
                     "found `{text}`, expected a whole number from {}, or nothing; answers in words can be given their numbers by `labels` in the map of columns",

@@ -30,6 +30,8 @@ pub(super) struct ScaleColumns {
     pub(super) column: Option<String>,
     /// Words that stand for the items there, in their order; without them their numbers do.
     pub(super) items: Vec<String>,
+    /// Words for no answer to this scale, in the place of those of the software and of the map.
+    pub(super) missing: Option<Vec<String>>,
     /// When it was answered, where neither name nor field says it.
     pub(super) moment: Option<Moment>,
     /// Added to every number: 1 where the software counts answers from 0.

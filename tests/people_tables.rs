@@ -1,0 +1,48 @@
+//! Tables that people write: codes for no answer, numbers, ids and labels.
+
+use crate::support::{Ran, TempStudy, argv, tells};
+
+const SCALE: &str = "id = \"calm\"\ntitle = \"Calmness\"\nreference = \"made up\"\nitems = 2\nmin = -2\nmax = 2\nscoring = \"mean\"\n\
+    [[subscales]]\nid = \"calm\"\ntitle = \"Calmness\"\nitems = [1, 2]\n";
+const DESIGN: &str =
+    "[study]\ntitle = \"t\"\n[[condition]]\nid = \"calm\"\n[[condition]]\nid = \"sporty\"\n";
+
+/// A study of two conditions and one scale from -2 to 2, with an export.
+fn study(people: &str, export: &str) -> TempStudy {
+    let study = TempStudy::new();
+    study.write("mine/study.toml", DESIGN);
+    study.write("mine/scales/calm.toml", SCALE);
+    study.write("mine/participants.csv", people);
+    study.write("mine/export.csv", export);
+    study
+}
+
+fn import(study: &TempStudy, more: &str) -> Ran {
+    let line = format!("import export.csv --scales scales --out answers.csv {more}");
+    study.maveric_in("mine", &argv(&line))
+}
+
+const PEOPLE: &str = "participant\nP01\nP02\n";
+
+#[test]
+fn a_missing_code_within_the_range_is_refused() {
+    let export = "CASE,SERIAL,QUESTNNR,calm_1,calm_2\n1,P01,base,-1,2\n2,P02,base,-2,-9\n";
+    let sosci = study(PEOPLE, export);
+    import(&sosci, "").failed(1, &["P01", "`calm`", "`-1`", "from -2 to 2", "missing = "]);
+    // The map states which words of this scale are no answers.
+    sosci.write("mine/map.toml", "[scales.calm]\nmissing = [\"-9\"]\n");
+    import(&sosci, "--columns map.toml").ok();
+    let answers = sosci.read("mine/answers.csv");
+    tells(&answers, &["P01,pre,calm,1,-1", "P02,pre,calm,1,-2", "P02,pre,calm,2,\n"]);
+    let table = study(PEOPLE, "participant,calm_1,calm_2\nP01,1,2\nP02,-1,0\n");
+    table.write("mine/map.toml", "missing = [\"-1\"]\n");
+    import(&table, "--columns map.toml").failed(1, &["`-1`", "from -2 to 2"]);
+}
+
+#[test]
+fn codes_outside_the_range_are_still_missing() {
+    let export = "CASE,SERIAL,QUESTNNR,calm_1,calm_2\n1,P01,base,-9,2\n2,P02,base,0,-8\n";
+    let study = study(PEOPLE, export);
+    import(&study, "").ok();
+    tells(&study.read("mine/answers.csv"), &["P01,pre,calm,1,\n", "P02,pre,calm,2,\n"]);
+}
