@@ -46,3 +46,25 @@ fn codes_outside_the_range_are_still_missing() {
     import(&study, "").ok();
     tells(&study.read("mine/answers.csv"), &["P01,pre,calm,1,\n", "P02,pre,calm,2,\n"]);
 }
+
+/// Qualtrics' three heads, and a row for each status.
+fn qualtrics(rows: &[(&str, &str)]) -> String {
+    let mut text = String::from(
+        "Status,ExternalReference,calm_1,calm_2\nResponse Type,External Data Reference,a,b\n\
+         \"{\"\"ImportId\"\":\"\"status\"\"}\",\"{\"\"ImportId\"\":\"\"externalDataReference\"\"}\",\"{\"\"ImportId\"\":\"\"QID1_1\"\"}\",\"{\"\"ImportId\"\":\"\"QID1_2\"\"}\"\n",
+    );
+    for (status, who) in rows {
+        text += &format!("{status},{who},1,2\n");
+    }
+    text
+}
+
+#[test]
+fn an_unknown_status_is_reported_with_its_rows() {
+    let rows = [("IP Address", "P01"), ("Umfragevorschau", "P02"), ("", "P03"), ("77", "P04")];
+    let german = study("participant\nP01\nP02\nP03\nP04\n", &qualtrics(&rows));
+    let said = import(&german, "").ok().stderr;
+    tells(&said, &["`Status`", "`Umfragevorschau` (row 2)", "empty (row 3)", "`77` (row 4)"]);
+    let known = study(PEOPLE, &qualtrics(&[("0", "P01"), ("Imported", "P02")]));
+    assert!(!import(&known, "").ok().stderr.contains("Status"));
+}

@@ -18,6 +18,8 @@ pub(super) struct Format {
     pub(super) questionnaire: Option<&'static str>,
     /// Rows that were made to try the questionnaire out.
     pub(super) trials: Option<Marked>,
+    /// Words of the column of trials that mark a row of a participant.
+    pub(super) real: &'static [&'static str],
     /// Rows that are read, and told.
     pub(super) doubtful: Option<Marked>,
     /// Words for no answer, beside an empty cell.
@@ -71,6 +73,7 @@ pub(super) const FORMATS: [Format; 5] = [
         ],
         questionnaire: None,
         trials: Some(QUALTRICS_TRIALS),
+        real: &["0", "4", "16", "IP Address", "Imported", "Offline"],
         doubtful: Some(QUALTRICS_SPAM),
         // What it writes for questions that were seen and not answered, where it is asked to.
         missing: &["-99"],
@@ -90,6 +93,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant", "token", "id", "Response ID", "Antwort ID"],
         questionnaire: None,
         trials: None,
+        real: &[],
         doubtful: None,
         missing: &["N/A"],
         pages: false,
@@ -104,6 +108,7 @@ pub(super) const FORMATS: [Format; 5] = [
         questionnaire: Some("QUESTNNR"),
         // `pretest` stands there; the other words are those of the project's own pages (?).
         trials: Some(("MODE", &["pretest", "admin", "debug", "qnrpreview"], "pretests")),
+        real: &["interview"],
         doubtful: None,
         missing: &["-1", "-2", "-3", "-8", "-9"],
         pages: false,
@@ -116,6 +121,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant.label", "participant.code", "participant"],
         questionnaire: None,
         trials: Some(BOTS),
+        real: &["0", "False", "false"],
         doubtful: None,
         missing: &[],
         pages: true,
@@ -128,6 +134,7 @@ pub(super) const FORMATS: [Format; 5] = [
         participant: &["participant", "participant_id"],
         questionnaire: None,
         trials: None,
+        real: &[],
         doubtful: None,
         missing: &[],
         pages: true,

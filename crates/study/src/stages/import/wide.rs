@@ -12,6 +12,7 @@ use crate::{
     error::StudyError,
     once::{count, names},
 };
+use std::collections::BTreeMap;
 
 /// Reads a table of words.
 ///
@@ -39,6 +40,7 @@ pub(super) fn read(
     };
     let mut trial_rows = 0;
     let mut doubtful_rows = Vec::new();
+    let mut unknown_marks: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for row in 0..grid.rows() {
         if is_marked(trials, row) {
             trial_rows += 1;
@@ -70,11 +72,30 @@ pub(super) fn read(
             }
             contents.rows.extend(reading.rows_of(&page)?);
         }
+        let mark = trials.filter(|_| contents.rows.len() > before);
+        if let Some((column, _)) = mark {
+            let word = grid.cell(column, row);
+            if !format.real.contains(&word) && !is_marked(doubtful, row) {
+                unknown_marks.entry(word).or_default().push(place.clone());
+            }
+        }
         if contents.rows.len() == before && !pages.is_empty() {
             contents
                 .warnings
                 .push(format!("{place} (participant `{participant}`) has no answers: left out"));
         }
+    }
+    if let Some((name, _, what)) = format.trials.filter(|_| !unknown_marks.is_empty()) {
+        let mark = |(word, rows): (&str, &Vec<String>)| {
+            let word = if word.is_empty() { "empty".to_owned() } else { format!("`{word}`") };
+            format!("{word} ({})", names(rows))
+        };
+        let marks: Vec<String> =
+            unknown_marks.iter().map(|(word, rows)| mark((word, rows))).collect();
+        contents.warnings.push(format!(
+            "unknown `{name}`: {}; read like the others: take the rows of {what} out of the export, or save it in English",
+            marks.join(", ")
+        ));
     }
     if let Some((name, _, what)) = format.doubtful.filter(|_| !doubtful_rows.is_empty()) {
         let rows = count(doubtful_rows.len(), "row", "rows");
