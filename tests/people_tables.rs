@@ -68,3 +68,40 @@ fn an_unknown_status_is_reported_with_its_rows() {
     let known = study(PEOPLE, &qualtrics(&[("0", "P01"), ("Imported", "P02")]));
     assert!(!import(&known, "").ok().stderr.contains("Status"));
 }
+
+#[test]
+fn a_point_beside_decimal_commas_is_refused() {
+    let table = "id;style;score\nP1;a;1.142\nP1;b;998,5\nP2;a;3\nP2;b;4,5\nP3;a;1\nP3;b;2\n";
+    let study = study(PEOPLE, "participant,calm_1,calm_2\nP01,1,2\n");
+    study.write("mine/d.csv", table);
+    for test in ["compare", "mixed", "within", "groups"] {
+        let columns = match test {
+            "groups" => "--between style --value score",
+            _ => "--subject id --within style --value score",
+        };
+        let ran = study.maveric_in("mine", &argv(&format!("stats {test} d.csv {columns}")));
+        ran.failed(1, &["row 1, column `score`", "`1.142`", "decimal comma"]);
+    }
+    let formula = "stats mixed d.csv --subject id --fixed score --value score2";
+    let twice: String = table
+        .lines()
+        .map(|line| format!("{line};{}\n", line.rsplit(';').next().unwrap()))
+        .collect();
+    study.write(
+        "mine/d.csv",
+        twice.replacen("score;score", "score;score2", 1).replace("1.142", "1,142"),
+    );
+    study.maveric_in("mine", &argv(formula)).failed(1, &["cannot be fitted"]);
+}
+
+#[test]
+fn covariates_of_people_may_have_decimal_commas() {
+    let study =
+        study("participant;hours\nP01;3,5\nP02;1.142\n", "participant,calm_1,calm_2\nP01,1,2\n");
+    study.write("mine/study.toml", format!("{DESIGN}[[covariate]]\ncolumn = \"hours\"\n"));
+    let ran = study.maveric_in("mine", &argv("status"));
+    ran.failed(1, &["participants.csv: row 2, column `hours`", "`1.142`", "decimal comma"]);
+    study.write("mine/participants.csv", "participant;hours\nP01;3,5\nP02;4,25\n");
+    let said = study.maveric_in("mine", &argv("status")).ok();
+    assert!(!said.stderr.contains("3,5"), "{}", said.stderr);
+}

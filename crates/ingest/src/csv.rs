@@ -4,6 +4,7 @@ use crate::{
     foreign::no_table,
     parquet::first_line,
     raw::table::{
+        cells::parse_number,
         parse::{BYTE_ORDER_MARK, parse},
         text::{self, Header, cells, separator_of},
     },
@@ -18,7 +19,7 @@ const SEPARATORS: &[u8] = b"\t;,";
 pub struct Csv {
     /// Its columns, all of text; a name that stands twice has the number of its column behind it the second time.
     pub frame: DataFrame,
-    /// Whether numbers may have a comma before their decimals: cells are separated by semicolons.
+    /// Whether numbers have a comma before their decimals: cells are separated by semicolons, and one of them is such a number.
     pub decimal_comma: bool,
 }
 
@@ -30,7 +31,16 @@ pub fn read_csv(bytes: &[u8], separator: Option<u8>) -> Result<Csv, String> {
     let (text, header) = headed(bytes, separator)?;
     text::short_rows(text, &header).map_err(|flaw| flaw.sentence(header.names.len()))?;
     let frame = parse(text, &header, |_| DataType::String, None, false);
-    Ok(Csv { frame: frame.map_err(|e| first_line(&e))?, decimal_comma: header.separator == b';' })
+    let frame = frame.map_err(|e| first_line(&e))?;
+    let decimal_comma = header.separator == b';' && has_decimal_comma(&frame);
+    Ok(Csv { frame, decimal_comma })
+}
+
+/// Whether a cell is a number with a comma before its decimals.
+fn has_decimal_comma(frame: &DataFrame) -> bool {
+    let is_one = |cell: &str| cell.contains(',') && parse_number(cell.trim(), true).is_ok();
+    let texts = frame.columns().iter().filter_map(|column| column.str().ok());
+    texts.flat_map(|text| text.iter().flatten()).any(is_one)
 }
 
 /// Rows of such a table, from 0, that end before its header does, each with its number of cells: the others of such a row are empty in
@@ -77,9 +87,12 @@ mod tests {
 
     #[test]
     fn the_header_says_what_separates_and_semicolons_what_is_decimal() {
-        for (text, decimal_comma) in
-            [("a,b\n1,2\n", false), ("a;b\n1,5;2\n", true), ("a\tb\n1\t2\n", false)]
-        {
+        for (text, decimal_comma) in [
+            ("a,b\n1,2\n", false),
+            ("a;b\n1,5;2\n", true),
+            ("a;b\n1.5;2\n", false),
+            ("a\tb\n1\t2\n", false),
+        ] {
             let csv = read_csv(text.as_bytes(), None).unwrap();
             assert_eq!(csv.decimal_comma, decimal_comma, "{text}");
             assert_eq!((csv.frame.width(), csv.frame.height()), (2, 1), "{text}");

@@ -55,6 +55,7 @@ pub use provenance::Provenance;
 pub use quality::{Warning, WarningKind};
 pub use raw::mcap::decisions::{Decision, DecisionKind, read_decisions};
 pub use raw::mcap::write::{Beside, write_mcap, write_mcap_with};
+pub use raw::table::cells::parse_number;
 pub use read_log::read_log;
 pub use settings::{IngestSettings, Ingested};
 pub use source::Source;

@@ -147,10 +147,17 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
             if !seen.insert(&id[i]) {
                 return Err(bad("participant", id[i].as_str(), "each participant once"));
             }
-            let cells: BTreeMap<String, String> = columns
+            let mut cells: BTreeMap<String, String> = columns
                 .iter()
                 .filter_map(|(name, cells)| Some((name.clone(), cells[i].clone()?)))
                 .collect();
+            for covariate in design.covariates() {
+                let column = &covariate.column;
+                if let Some(cell) = cells.get_mut(column).filter(|cell| table.is_number(cell)) {
+                    let number = table.number(cell);
+                    *cell = number.map_err(|expected| bad(column, cell, expected))?.to_string();
+                }
+            }
             let cell = |name: &str| cells.get(name).map(String::as_str);
             for (column, values) in people.values() {
                 let Some(found) = cell(column).filter(|found| !values.contains(found)) else {
@@ -173,7 +180,7 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
                     None | Some("NA") => None,
                     Some(text) => {
                         let expected = "years from 0 to 130, or a band such as 30-39";
-                        Some(years(text).ok_or_else(|| bad("age", text, expected))?)
+                        Some(years(&table, text).ok_or_else(|| bad("age", text, expected))?)
                     }
                 },
                 gender: cell("gender").map(str::to_owned),
@@ -196,9 +203,8 @@ fn trimmed(cells: Vec<Option<String>>) -> Vec<Option<String>> {
 }
 
 /// An age, or the middle of a band of ages: 30-39 are those from 30 to below 40.
-fn years(text: &str) -> Option<f64> {
-    let possible =
-        |text: &str| text.trim().parse::<f64>().ok().filter(|y| (0.0..=130.0).contains(y));
+fn years(table: &Table, text: &str) -> Option<f64> {
+    let possible = |text: &str| table.number(text).ok().filter(|y| (0.0..=130.0).contains(y));
     match text.split_once('-') {
         None => possible(text),
         Some((low, high)) => {

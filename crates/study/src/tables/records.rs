@@ -74,6 +74,7 @@ impl Table {
                 text: column.get(row).cloned().flatten().unwrap_or_default(),
                 list: list(names[at]).and_then(|list| list.1.get(row)?.clone()),
                 optional: false,
+                decimal_comma: self.decimal_comma,
                 at,
                 reading: &reading,
             };
@@ -129,6 +130,7 @@ struct OneCell<'a> {
     list: Option<Vec<f64>>,
     /// Whether it may be missing.
     optional: bool,
+    decimal_comma: bool,
     at: usize,
     reading: &'a Cell<usize>,
 }
@@ -173,10 +175,10 @@ impl<'de> Deserializer<'de> for OneCell<'_> {
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Expected> {
-        match self.text.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() => visitor.visit_f64(value),
-            _ if self.missing() => Err(Expected("a number".to_owned())),
-            _ => Err(Expected("a finite number".to_owned())),
+        match maveric_ingest::parse_number(self.text.trim(), self.decimal_comma) {
+            Ok(value) => visitor.visit_f64(value),
+            Err(_) if self.missing() => Err(Expected("a number".to_owned())),
+            Err(expected) => Err(Expected(expected.to_owned())),
         }
     }
 

@@ -34,9 +34,10 @@ impl Table {
     pub(crate) fn keeping(&self, column: &str, value: &str) -> Result<Self, StudyError> {
         let cells = self.text(column)?;
         let wanted = value.trim();
-        let number: Option<f64> = wanted.parse().ok();
+        let number =
+            self.number(wanted).or_else(|_| maveric_ingest::parse_number(wanted, false)).ok();
         let same = |cell: &str| {
-            let both = number.zip(cell.trim().parse::<f64>().ok());
+            let both = number.zip(self.number(cell).ok());
             cell.trim() == wanted
                 || both.is_some_and(|(a, b)| (a - b).abs() <= f64::EPSILON * a.abs())
         };

@@ -4,7 +4,6 @@ use crate::error::StudyError;
 use polars::prelude::*;
 use std::{
     io::Read as _,
-    num::ParseFloatError,
     path::{Path, PathBuf},
 };
 
@@ -13,7 +12,7 @@ use std::{
 pub struct Table {
     pub(super) path: PathBuf,
     pub(super) frame: DataFrame,
-    /// Whether numbers may have a comma before their decimals.
+    /// Whether numbers have a comma before their decimals.
     pub(super) decimal_comma: bool,
     /// Which rows of the file its rows were, where these are not all of them in order.
     pub(super) origin: Option<Vec<usize>>,
@@ -162,8 +161,14 @@ impl Table {
         }
     }
 
-    fn number(&self, text: &str) -> Result<f64, ParseFloatError> {
-        if self.decimal_comma { text.replace(',', ".").parse() } else { text.parse() }
+    /// A cell as a finite number; the error is what was expected.
+    pub(super) fn number(&self, text: &str) -> Result<f64, &'static str> {
+        maveric_ingest::parse_number(text.trim(), self.decimal_comma)
+    }
+
+    /// Whether a cell is a number, or refused as one since it has a point beside decimal commas.
+    pub(crate) fn is_number(&self, text: &str) -> bool {
+        self.number(text).is_ok() || maveric_ingest::parse_number(text.trim(), false).is_ok()
     }
 
     /// A column as finite numbers; a missing cell (empty, `NA`, `null`) is `None`.
@@ -178,8 +183,8 @@ impl Table {
             {
                 None | Some("" | "NA" | "null") => Ok(None),
                 Some(text) => match self.number(text) {
-                    Ok(value) if value.is_finite() => Ok(Some(value)),
-                    _ => Err(self.bad_cell(row, column, text, "a finite number")),
+                    Ok(value) => Ok(Some(value)),
+                    Err(expected) => Err(self.bad_cell(row, column, text, expected)),
                 },
             };
             return cells.into_iter().enumerate().map(number).collect();

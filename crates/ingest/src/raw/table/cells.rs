@@ -25,15 +25,22 @@ pub(super) fn number(cell: &str, decimal_comma: bool) -> Result<f64, Option<&'st
     if is_empty(cell) {
         return Ok(f64::NAN);
     }
-    let parsed = if decimal_comma {
-        if cell.contains('.') {
-            return Err(Some(NUMBER_WITH_COMMA));
-        }
-        cell.replace(',', ".").parse()
-    } else {
-        cell.parse()
-    };
-    parsed.ok().filter(|v: &f64| v.is_finite()).ok_or(None)
+    parse_number(cell, decimal_comma)
+        .map_err(|expected| (expected == NUMBER_WITH_COMMA).then_some(expected))
+}
+
+/// A cell of any table as a finite number; the error is what was expected.
+///
+/// In a table of decimal commas a point is refused.
+///
+/// # Errors
+/// The accepted form in words.
+pub fn parse_number(cell: &str, decimal_comma: bool) -> Result<f64, &'static str> {
+    if decimal_comma && cell.contains('.') {
+        return Err(NUMBER_WITH_COMMA);
+    }
+    let parsed = if decimal_comma { cell.replace(',', ".").parse() } else { cell.parse() };
+    parsed.ok().filter(|v: &f64| v.is_finite()).ok_or(NUMBER)
 }
 
 /// A cell as a word; none for an empty one.

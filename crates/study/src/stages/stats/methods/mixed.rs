@@ -142,9 +142,8 @@ enum Cells {
 impl Cells {
     fn read(table: &Table, name: &str) -> Result<Self, StudyError> {
         let cells = table.text(name)?;
-        let is_number = |cell: &Option<String>| {
-            cell.as_ref().is_none_or(|cell| cell.trim().parse::<f64>().is_ok())
-        };
+        let is_number =
+            |cell: &Option<String>| cell.as_ref().is_none_or(|cell| table.is_number(cell));
         Ok(if cells.iter().all(is_number) {
             Self::Numbers(table.numbers(name)?)
         } else {
