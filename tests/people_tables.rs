@@ -105,3 +105,12 @@ fn covariates_of_people_may_have_decimal_commas() {
     let said = study.maveric_in("mine", &argv("status")).ok();
     assert!(!said.stderr.contains("3,5"), "{}", said.stderr);
 }
+
+#[test]
+fn an_unknown_id_is_reported_with_rows_and_neighbour() {
+    let export = "participant,calm_1,calm_2\nVP05,1,2\nvp06 ,2,1\nX,0,0\n";
+    let study = study("participant\nVP05\nVP06\n", export);
+    let said = import(&study, "").ok().stderr;
+    tells(&said, &["`vp06`", "row 2", "did you mean `VP06`?", "`X`", "row 3"]);
+    assert_eq!(said.matches("`vp06`").count(), 1, "{said}");
+}

@@ -5,14 +5,14 @@ use crate::{
     design::{DesignFile, People},
     error::StudyError,
     forgotten::ForgottenList,
-    once::count,
+    once::{count, names},
 };
 use maveric_analysis::{
     Driven, Flow, LeftOut, Rule, Why,
     exclusions::{too_short, unknown_ride},
 };
 use maveric_domain::{
-    Answer, ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale,
+    Answer, ConditionId, Design, DriveId, DriveMeta, Moment, ParticipantId, Scale, nearest,
     occasion::is_first,
 };
 use std::{
@@ -179,6 +179,34 @@ impl Gate {
         let about = |ride| self.answer(participant, Moment::After(ride));
         let whys: Option<Vec<Why>> = rides.map(about).collect();
         whys?.into_iter().next()
+    }
+
+    /// The ids that the table of people lacks, a line each, with where they are and the nearest id of the table.
+    pub(crate) fn unknown_people<'a>(
+        &self,
+        found: impl IntoIterator<Item = (&'a ParticipantId, String)>,
+    ) -> Vec<String> {
+        let mut places: BTreeMap<&ParticipantId, Vec<String>> = BTreeMap::new();
+        for (id, place) in found {
+            let of_id = places.entry(id).or_default();
+            if !of_id.contains(&place) {
+                of_id.push(place);
+            }
+        }
+        let is_unknown = |id: &ParticipantId| {
+            self.person(id).is_some_and(|why| why.rule == Rule::UnknownParticipant)
+        };
+        places.retain(|id, _| is_unknown(id));
+        let line = |(id, places): (&ParticipantId, Vec<String>)| {
+            let known = self.people.enrolled.iter().map(|person| person.id.as_str());
+            let meant = nearest(id.as_str(), known);
+            let meant = meant.map_or_else(String::new, |id| format!("; did you mean `{id}`?"));
+            format!(
+                "`{id}` is not in the table of people and is left out ({}){meant}",
+                names(&places)
+            )
+        };
+        places.into_iter().map(line).collect()
     }
 
     /// Why somebody is left out, or unknown.

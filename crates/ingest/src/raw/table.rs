@@ -1,6 +1,6 @@
 //! Reads tables: CSV, TSV and Parquet in the layouts that a mapping may declare.
 
-mod cells;
+pub(crate) mod cells;
 mod ending_early;
 mod ids;
 mod lane;

@@ -160,7 +160,7 @@ impl Stage for Ingest {
         let read = written.into_iter().filter_map(|log| log.map_err(|e| failed.push(e)).ok());
         let (mut drives, left_out) = sorted_out(read.flatten(), gate.as_ref());
         if drives.is_empty() {
-            return Err(none_ingested(&left_out, failed));
+            return Err(none_ingested(&left_out, failed, gate.as_ref()));
         }
         let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
         none_twice(&drives)?;
@@ -176,7 +176,7 @@ impl Stage for Ingest {
         }
         write_exclusions(&self.out, &drives, &left_out, &failed)?;
         drives.sort_by(|a, b| a.meta.drive.cmp(&b.meta.drive));
-        let warnings = warnings(&drives, &left_out, &failed);
+        let warnings = warnings(&drives, &left_out, &failed, gate.as_ref());
         let sights = sights(&drives);
         let rows = drives.iter().map(|d| d.rows).sum();
         let list: Vec<(DriveMeta, usize, f64)> =

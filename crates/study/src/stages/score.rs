@@ -23,6 +23,7 @@ pub use item_means::ItemMean;
 use item_means::item_means;
 pub(crate) use left_out::of_answers;
 use left_out::{Expected, exclusions, let_in, line, nothing_to_score};
+use maveric_analysis::Rule;
 use maveric_domain::{Moment, ParticipantId, Scale, Score, Subscale};
 use maveric_measures::{
     ItemMatrix,
@@ -251,6 +252,8 @@ impl Stage for ScoreAnswers {
         watch.check()?;
         let collected = (&mut answers, &mut probes, &mut times);
         let (left_out, gate) = let_in(study.as_ref(), self, &scales, collected)?;
+        let at = left_out.keys().map(|(who, moment, _)| (who, moment.to_string()));
+        let strangers = gate.as_ref().map_or_else(Vec::new, |gate| gate.unknown_people(at));
         let nothing_let_in = answers.is_empty() && probes.is_empty();
         // Rides may not have been rated yet, or not at all: then the tables are empty.
         if nothing_let_in && (nothing_given || self.moments == Moments::All) {
@@ -308,7 +311,9 @@ impl Stage for ScoreAnswers {
         ));
         let lines = warnings.iter().map(|w| line(w, self.moments));
         let mut warnings: Vec<String> = lines.collect();
-        warnings.extend(left_out.iter().map(|((who, moment, why), n)| {
+        warnings.extend(strangers);
+        let known = left_out.iter().filter(|((.., why), _)| why.rule != Rule::UnknownParticipant);
+        warnings.extend(known.map(|((who, moment, why), n)| {
             let n = count(*n, "answer", "answers");
             format!("participant {who} ({moment}): {n} {why}")
         }));

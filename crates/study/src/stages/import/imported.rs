@@ -62,11 +62,13 @@ impl Imports<'_> {
         warnings.extend(told_unknown(&unknown, self.design));
         refuse_twice(self.file, &rows, scales)?;
         let nobody = rows.is_empty() && unknown.is_empty();
+        let strangers = self.unknown_people(rows.iter().chain(&unknown));
         let kept_out = let_in(&mut rows, &unknown, self.design, self.gate);
         let why = counted(["answer", "answers"], kept_out.values().flatten());
         if rows.is_empty() {
-            return Err(self.nothing(nobody, &why));
+            return Err(self.nothing(nobody, &[why, strangers].concat()));
         }
+        warnings.extend(strangers);
         rows.sort_by(|a, b| {
             let key = |r: &Row| (r.moment, r.scale, r.item);
             a.participant.cmp(&b.participant).then(key(a).cmp(&key(b)))
@@ -94,6 +96,13 @@ impl Imports<'_> {
         ];
         summary.extend(why);
         Ok(Outcome::new(value, summary, warnings))
+    }
+
+    /// The ids that the table of people lacks, with their rows.
+    fn unknown_people<'r>(&self, rows: impl Iterator<Item = &'r Row>) -> Vec<String> {
+        let row = |place: &str| place.split(", `").next().unwrap_or_default().to_owned();
+        let found = rows.map(|r| (&r.participant, row(&r.place)));
+        self.gate.map_or_else(Vec::new, |gate| gate.unknown_people(found))
     }
 
     /// Why nobody answered a scale: its columns are there, or none is called as it should be.

@@ -3,6 +3,7 @@
 use super::{FailedLog, LeftOutDrive, Written, parts};
 use crate::{
     error::StudyError,
+    gate::Gate,
     once::{count, names, together, told_once},
 };
 use maveric_analysis::Rule;
@@ -20,6 +21,7 @@ pub(super) fn warnings(
     drives: &[Written],
     left_out: &[LeftOutDrive],
     failed: &[FailedLog],
+    gate: Option<&Gate>,
 ) -> Vec<String> {
     let mut warnings: Vec<String> = failed.iter().map(FailedLog::to_string).collect();
     let doubts = drives.iter().flat_map(|d| &d.warnings);
@@ -30,12 +32,23 @@ pub(super) fn warnings(
         (d.meta.drive.to_string(), why.to_owned())
     });
     warnings.extend(told_once("drive", alone));
-    let out = left_out.iter();
+    warnings.extend(unknown_people(left_out, gate));
+    let out = left_out.iter().filter(|out| out.why.rule != Rule::UnknownParticipant);
     let out = out.map(|out| (out.meta.drive.to_string(), out.why.to_string()));
     warnings.extend(told_once("drive", out));
     let parts = parts::maybe_parts(&drives.iter().map(|d| &d.meta), left_out);
     warnings.extend(told_once("drive", parts));
     warnings
+}
+
+/// The ids of left out drives that the table of people lacks, each with its logs.
+fn unknown_people(left_out: &[LeftOutDrive], gate: Option<&Gate>) -> Vec<String> {
+    let log = |out: &LeftOutDrive| {
+        let name = out.log.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    };
+    let found = left_out.iter().map(|out| (&out.meta.participant, log(out)));
+    gate.map_or_else(Vec::new, |gate| gate.unknown_people(found))
 }
 
 /// What the rigs see that do not see everything, a line each.
@@ -91,6 +104,7 @@ impl fmt::Display for FailedLog {
 pub(super) fn none_ingested(
     left_out: &[LeftOutDrive],
     mut failed: Vec<(PathBuf, IngestError)>,
+    gate: Option<&Gate>,
 ) -> StudyError {
     if left_out.is_empty()
         && failed.len() == 1
@@ -100,7 +114,8 @@ pub(super) fn none_ingested(
     }
     let logs = failed.len();
     let first = failed.into_iter().next();
-    let mut help = let_one_in(left_out);
+    let mut help = unknown_people(left_out, gate);
+    help.extend(let_one_in(left_out));
     help.extend(first.as_ref().and_then(|(_, error)| error.suggestion()));
     let first = first.map(|log| FailedLog::from(log).why);
     let problem = match (left_out.is_empty(), first) {
@@ -178,7 +193,7 @@ mod tests {
         };
         let short = out("P1", Rule::Short, "60 s");
         let said = |left_out: &[LeftOutDrive], failed| {
-            let error = none_ingested(left_out, failed);
+            let error = none_ingested(left_out, failed, None);
             (error.to_string(), error.suggestion().unwrap_or_default())
         };
         let (problem, help) = said(&[short], vec![broken("P2"), broken("P3")]);
