@@ -114,3 +114,19 @@ fn an_unknown_id_is_reported_with_rows_and_neighbour() {
     tells(&said, &["`vp06`", "row 2", "did you mean `VP06`?", "`X`", "row 3"]);
     assert_eq!(said.matches("`vp06`").count(), 1, "{said}");
 }
+
+#[test]
+fn orders_keep_a_table_of_one_line() {
+    let study = study("P01;P02\n", "participant,calm_1,calm_2\nP01,1,2\n");
+    let ran = study.maveric_in("mine", &argv("design orders --people 4"));
+    ran.failed(1, &["participants.csv", "no column `participant`"]);
+    assert_eq!(study.read("mine/participants.csv"), "P01;P02\n");
+    study.write("mine/participants.csv", "participant,order\n");
+    study.maveric_in("mine", &argv("design orders --people 4")).ok();
+}
+
+#[test]
+fn an_id_that_looks_like_an_option_is_refused() {
+    let study = study("participant\n-x\n", "participant,calm_1,calm_2\nP01,1,2\n");
+    import(&study, "").failed(1, &["`-x`", "begin"]);
+}

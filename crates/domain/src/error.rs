@@ -6,7 +6,7 @@
 pub enum DomainError {
     /// An identifier with characters that do not belong in a file name.
     #[error(
-        "{kind} `{found}` must be 1 to 64 letters, digits, `_` or `-`, and no device of Windows (con, nul, com1, …)"
+        "{kind} `{found}` must be 1 to 64 letters, digits, `_` or `-`, not begin with `-`, and be no device of Windows (con, nul, com1, …)"
     )]
     BadId {
         /// Which identifier.
@@ -16,7 +16,7 @@ pub enum DomainError {
     },
     /// A condition's id with characters that do not belong in a file name.
     #[error(
-        "condition `{found}` must be 1 to 32 letters, digits, `_` or `-`, and no device of Windows (con, nul, com1, …)"
+        "condition `{found}` must be 1 to 32 letters, digits, `_` or `-`, not begin with `-`, and be no device of Windows (con, nul, com1, …)"
     )]
     BadCondition {
         /// What was given.

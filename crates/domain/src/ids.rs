@@ -4,7 +4,8 @@ use crate::error::DomainError;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Whether a text of up to `longest` letters, digits, `_` or `-` can be a file's name everywhere: Windows keeps some for devices.
+/// Whether a text of up to `longest` letters, digits, `_` or `-` can be a file's name everywhere: Windows keeps some for devices, and
+/// programs take what begins with `-` for an option.
 pub(crate) fn is_file_name(text: &str, longest: usize) -> bool {
     let plain = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
     let lower = text.to_ascii_lowercase();
@@ -12,7 +13,8 @@ pub(crate) fn is_file_name(text: &str, longest: usize) -> bool {
         [b'c', b'o', b'm', number] | [b'l', b'p', b't', number] => number.is_ascii_digit(),
         _ => ["con", "prn", "aux", "nul"].contains(&lower.as_str()),
     };
-    (1..=longest).contains(&text.len()) && text.bytes().all(plain) && !device
+    let is_option = text.starts_with('-');
+    (1..=longest).contains(&text.len()) && text.bytes().all(plain) && !is_option && !device
 }
 
 fn checked(kind: &'static str, text: String) -> Result<String, DomainError> {
@@ -27,7 +29,7 @@ macro_rules! id {
         pub struct $name(String);
 
         impl $name {
-            /// Takes 1 to 64 letters, digits, `_` or `-`, and no name of a device of Windows: what is safe in a file name everywhere.
+            /// Takes 1 to 64 letters, digits, `_` or `-`, not `-` first, and no name of a device of Windows: what is safe in a file name everywhere.
             ///
             /// # Errors
             /// [`DomainError::BadId`] for anything else.
@@ -80,6 +82,7 @@ mod tests {
     fn an_id_cannot_leave_its_folder() {
         assert!(ParticipantId::new("../etc").is_err());
         assert!(DriveId::new("").is_err());
+        assert!(ParticipantId::new("-x").is_err() && ParticipantId::new("x-").is_ok());
         for device in ["con", "NUL", "Com1", "lpt9"] {
             assert!(DriveId::new(device).is_err(), "{device}");
             assert!(crate::ConditionId::new(device).is_err(), "{device}");

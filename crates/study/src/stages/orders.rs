@@ -80,6 +80,9 @@ pub fn orders(
         .then(|| Table::read(&out))
         .transpose()?
         .filter(|table| table.rows() == 0);
+    if let Some(table) = empty.as_ref().filter(|table| !table.has("participant")) {
+        return Err(StudyError::no_column(&out, "participant", table.columns()));
+    }
     if out.exists() && (empty.is_none() || options.people.is_none()) {
         let problem = "is there already";
         let help = "name another table by --out; without --people it has the people of the design's own, each with an order";
