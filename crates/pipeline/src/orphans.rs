@@ -1,6 +1,6 @@
 //! What runs made and the pipeline no longer makes: rows that left a table, fewer shards, an output with another name.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use crate::clean::{Cleaned, Cleaning};
 use crate::content::Hasher;
@@ -89,11 +89,12 @@ pub(crate) fn read_by(
 /// Sources of stages that were outputs of stages which the pipeline no longer has: nothing makes them anew.
 pub(crate) fn once_made(graph: &Graph<'_>, ledger: &Ledger, place: &Place) -> Vec<Warning> {
     let stages = graph.pipeline().stages();
-    let is_there = |name: &str| stages.iter().any(|s| s.name == name || s.family == name);
-    let is_made = |path: &str| {
-        let outputs = || stages.iter().flat_map(|stage| &stage.outputs);
-        with_ancestors(path).any(|above| outputs().any(|output| output == above))
-    };
+    let names = stages.iter().flat_map(|stage| [stage.name.as_str(), stage.family.as_str()]);
+    let names: HashSet<&str> = names.collect();
+    let outputs = stages.iter().flat_map(|stage| &stage.outputs);
+    let outputs: HashSet<&str> = outputs.map(String::as_str).collect();
+    let is_there = |name: &str| names.contains(name);
+    let is_made = |path: &str| with_ancestors(path).any(|above| outputs.contains(above));
     let makers = ledger.run.iter().flat_map(|(key, record)| {
         let paths = ledger.made_by(key).into_keys();
         paths.map(|path| (path, record.stage.as_str()))
