@@ -130,3 +130,28 @@ fn an_id_that_looks_like_an_option_is_refused() {
     let study = study("participant\n-x\n", "participant,calm_1,calm_2\nP01,1,2\n");
     import(&study, "").failed(1, &["`-x`", "begin"]);
 }
+
+#[test]
+fn keys_are_compared_trimmed_and_composed() {
+    let study = study(PEOPLE, "participant,calm_1,calm_2\nP01,1,2\n");
+    let mut table = String::from("id,group,score\n");
+    for i in 0..12 {
+        let group = [["f", "f "], ["Mu\u{308}nchen", "M\u{fc}nchen"]][i % 2][i / 6];
+        table += &format!("P{i},{group},{}\n", i * i % 7);
+    }
+    study.write("mine/d.csv", &table);
+    let compare = "stats compare d.csv --between group --value score";
+    let said = study.maveric_in("mine", &argv(compare)).ok().stdout;
+    tells(&said, &["2 groups"]);
+    study.write("mine/d.csv", table.replace("f ,", "F,"));
+    for test in ["compare", "groups", "levene", "factorial", "normality"] {
+        let ran = study.maveric_in("mine", &argv(&compare.replace("compare", test)));
+        ran.failed(1, &["`f` and `F`", "column `group`"]);
+    }
+}
+
+#[test]
+fn people_whose_ids_differ_in_case_are_refused() {
+    let study = study("participant\nP01\np01\n", "participant,calm_1,calm_2\nP01,1,2\n");
+    import(&study, "").failed(1, &["participants.csv: row 2", "`p01`", "`P01`"]);
+}

@@ -10,6 +10,7 @@ use crate::{
             read_lent,
         },
         drives::{drives_in, read_drives},
+        keys::composed,
         participants::{Enrolled, read_enrolled},
         read_rows,
     },
@@ -46,7 +47,7 @@ impl DesignFile {
     /// [`StudyError`] naming the file and the key.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let text = read_text(path)?;
-        let design = Design::from_toml(&text).map_err(|e| StudyError::BadFile {
+        let design = Design::from_toml(&composed(&text)).map_err(|e| StudyError::BadFile {
             path: path.to_owned(),
             problem: e.to_string(),
             help: e.suggestion(),

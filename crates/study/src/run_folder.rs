@@ -10,6 +10,7 @@ use crate::{
         conditions::read_conditions,
         drives::kept_out,
         embeddings::read_embeddings,
+        keys::composed,
         measurements::{one_drive_a_condition, read_measurements},
         own_measures::read_own_measurements,
         read_rows,
@@ -116,7 +117,8 @@ pub fn read_scales(folder: &Path) -> Result<Vec<Scale>, StudyError> {
         return Err(StudyError::file(folder, problem));
     }
     let read = |path: &PathBuf| {
-        Scale::from_toml(&read_text(path)?).map_err(|e| StudyError::file(path, e.to_string()))
+        Scale::from_toml(&composed(&read_text(path)?))
+            .map_err(|e| StudyError::file(path, e.to_string()))
     };
     paths.iter().map(read).collect()
 }

@@ -19,6 +19,7 @@ use crate::{
     tables::{
         TableName,
         drives::{ExclusionRow, former_drives, refuse_foreign, write_drive_list, write_drive_of},
+        keys::one_case_of,
         write_rows,
     },
 };
@@ -164,6 +165,7 @@ impl Stage for Ingest {
         }
         let failed: Vec<FailedLog> = failed.into_iter().map(FailedLog::from).collect();
         none_twice(&drives)?;
+        one_case_of(drives.iter().map(|drive| &drive.meta.participant))?;
         if let (Some(study), Some(gate)) = (&study, &gate) {
             orders_agree(study, self.participants.as_deref(), gate, &drives)?;
         }

@@ -15,6 +15,7 @@ use crate::{
     stages::import::told_as_export,
     tables::{
         Table, TableName,
+        keys::one_case_of,
         surveys::{read_answered, refuse_unclear, write_scores},
         write_rows,
     },
@@ -254,6 +255,7 @@ impl Stage for ScoreAnswers {
         let (left_out, gate) = let_in(study.as_ref(), self, &scales, collected)?;
         let at = left_out.keys().map(|(who, moment, _)| (who, moment.to_string()));
         let strangers = gate.as_ref().map_or_else(Vec::new, |gate| gate.unknown_people(at));
+        one_case_of(answers.iter().map(|answer| &answer.participant))?;
         let nothing_let_in = answers.is_empty() && probes.is_empty();
         // Rides may not have been rated yet, or not at all: then the tables are empty.
         if nothing_let_in && (nothing_given || self.moments == Moments::All) {

@@ -7,6 +7,7 @@ pub mod dial;
 pub mod dictionary;
 pub mod drives;
 pub mod embeddings;
+pub(crate) mod keys;
 pub mod measurements;
 pub mod own_measures;
 pub mod participants;

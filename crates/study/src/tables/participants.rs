@@ -134,6 +134,11 @@ pub fn read_enrolled(path: &Path, design: &Design) -> Result<Vec<Enrolled>, Stud
     for column in people.columns().into_iter().chain(design.tested_columns()) {
         table.text(column)?;
     }
+    table.one_case("participant")?;
+    let telling = design.factors().iter().map(|factor| factor.name.as_str());
+    for column in telling.filter(|column| table.has(column)) {
+        table.one_case(column)?;
+    }
     let mut columns = Vec::new();
     for name in table.columns() {
         columns.push((name.clone(), trimmed(table.text(&name)?)));

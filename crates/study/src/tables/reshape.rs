@@ -1,6 +1,6 @@
 //! Rows of a table picked out, told apart and put under each other.
 
-use super::{Table, table::Stacked};
+use super::{Table, keys::key, table::Stacked};
 use crate::{error::StudyError, once::first_names};
 use path_slash::PathExt as _;
 use polars::prelude::*;
@@ -33,7 +33,7 @@ impl Table {
     /// [`StudyError::NoColumn`]; [`StudyError::NotPossible`] if no row is left.
     pub(crate) fn keeping(&self, column: &str, value: &str) -> Result<Self, StudyError> {
         let cells = self.text(column)?;
-        let wanted = value.trim();
+        let wanted = &*key(value);
         let number =
             self.number(wanted).or_else(|_| maveric_ingest::parse_number(wanted, false)).ok();
         let same = |cell: &str| {

@@ -1,8 +1,10 @@
 //! A table in memory, with errors that name the row.
 
+use super::keys::{differing_in_case, key};
 use crate::error::StudyError;
 use polars::prelude::*;
 use std::{
+    borrow::Cow,
     io::Read as _,
     path::{Path, PathBuf},
 };
@@ -47,6 +49,19 @@ fn without_guard(cell: &str) -> &str {
     cell.strip_prefix('\'').filter(|rest| is_formula(rest)).unwrap_or(cell)
 }
 
+/// The table with names of columns that are keys, as far as these stay different.
+fn with_keys(mut frame: DataFrame) -> DataFrame {
+    let names: Vec<String> = frame.get_column_names().iter().map(ToString::to_string).collect();
+    for name in &names {
+        let new = key(name);
+        if new != *name && !names.iter().any(|other| *other == new) {
+            // A name that is there and another that is not: it cannot fail.
+            let _ = frame.rename(name, new.into_owned().into());
+        }
+    }
+    frame
+}
+
 impl Table {
     /// Reads CSV, TSV or Parquet; `-` is standard input, as CSV.
     ///
@@ -82,6 +97,7 @@ impl Table {
             let csv = maveric_ingest::read_csv(&bytes, separator).map_err(|e| bad("CSV", e))?;
             (csv.frame, csv.decimal_comma)
         };
+        let frame = with_keys(frame);
         Ok(Self { path: path.to_owned(), frame, decimal_comma, origin: None, stacked: None })
     }
 
@@ -96,7 +112,7 @@ impl Table {
 
     /// Whether there is a column of this name.
     pub fn has(&self, column: &str) -> bool {
-        self.frame.column(column).is_ok()
+        self.frame.column(&key(column)).is_ok()
     }
 
     /// The row of the file, from 0, that a row of this table was.
@@ -109,8 +125,25 @@ impl Table {
         &self.path
     }
 
+    /// Refuses cells of a column that differ only in capitals.
+    ///
+    /// # Errors
+    /// [`StudyError::BadCell`] naming both.
+    pub(crate) fn one_case(&self, column: &str) -> Result<(), StudyError> {
+        let cells = self.text(column)?;
+        let Some((first, second)) = differing_in_case(cells.iter().flatten().map(String::as_str))
+        else {
+            return Ok(());
+        };
+        let row = cells.iter().position(|cell| cell.as_deref() == Some(second)).unwrap_or(0);
+        let expected =
+            format!("one spelling of each: `{first}` and `{second}` differ only in capitals");
+        Err(self.bad_cell(row, column, second, expected))
+    }
+
     /// A column; of two of one name nobody knows which is meant.
     pub(super) fn column(&self, wanted: &str) -> Result<&Column, StudyError> {
+        let wanted = &*key(wanted);
         let again = format!("{wanted} (column ");
         let columns = self.columns();
         if let Some(second) = columns.iter().find_map(|c| c.strip_prefix(&again)) {
@@ -126,14 +159,15 @@ impl Table {
         column.map_err(|_| StudyError::no_column(&self.path, wanted, columns))
     }
 
-    /// A column as text; a missing cell is `None`.
+    /// A column as text, each cell a key (trimmed and composed); a missing cell is `None`.
     pub fn text(&self, column: &str) -> Result<Vec<Option<String>>, StudyError> {
         let series = self.column(column)?;
         let text = series.cast(&DataType::String).map_err(|e| self.bad_column(column, &e))?;
         let text = text.str().map_err(|e| self.bad_column(column, &e))?;
         Ok(text
             .iter()
-            .map(|cell| cell.filter(|t| !t.is_empty()).map(|t| without_guard(t).to_owned()))
+            .map(|cell| cell.map(|text| key(without_guard(text))).filter(|text| !text.is_empty()))
+            .map(|cell| cell.map(Cow::into_owned))
             .collect())
     }
 

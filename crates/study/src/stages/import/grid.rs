@@ -1,7 +1,14 @@
 //! An export as rows and columns of words, whatever file it comes in.
 
 use super::{encoding::text_of, workbook};
-use crate::{error::StudyError, once::names, tables::Table};
+use crate::{
+    error::StudyError,
+    once::names,
+    tables::{
+        Table,
+        keys::{composed, key},
+    },
+};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Clone)]
@@ -58,7 +65,7 @@ impl Grid {
         let mut cells: Vec<Vec<String>> = Vec::new();
         for column in frame.columns() {
             let column = column.str().map_err(|e| bad(e.to_string()))?;
-            let text = |cell: Option<&str>| cell.unwrap_or_default().to_owned();
+            let text = |cell: Option<&str>| key(cell.unwrap_or_default()).into_owned();
             cells.push(column.iter().map(text).collect());
         }
         // LimeSurvey ends its text with an empty line.
@@ -70,7 +77,11 @@ impl Grid {
         short.retain(|(row, _)| *row < rows);
         Ok(Self {
             path: path.to_owned(),
-            columns: frame.get_column_names().iter().map(ToString::to_string).collect(),
+            columns: frame
+                .get_column_names()
+                .iter()
+                .map(|name| composed(name).into_owned())
+                .collect(),
             cells,
             rows,
             short,
@@ -104,6 +115,7 @@ impl Grid {
         let mut columns: Vec<String> = Vec::new();
         for (place, name) in head.into_iter().enumerate() {
             let numbered = name.trim().is_empty() || columns.contains(&name);
+            let name = composed(&name).into_owned();
             let number = format!("{name} (column {})", place + 1);
             columns.push(if numbered { number } else { name });
         }
@@ -113,7 +125,7 @@ impl Grid {
             height += 1;
             let mut row = row.into_iter();
             for column in &mut cells {
-                column.push(row.next().unwrap_or_default());
+                column.push(key(&row.next().unwrap_or_default()).into_owned());
             }
         }
         Ok(Self {

@@ -13,7 +13,7 @@ use crate::{
     outcome::Outcome,
     run_folder::exclusions_path,
     stages::score::of_answers,
-    tables::{TableName, write_rows},
+    tables::{TableName, keys::one_case_of, write_rows},
 };
 use maveric_domain::{Design, Moment, ParticipantId, design::Software};
 use maveric_report::tables::Exclusion;
@@ -69,6 +69,7 @@ impl Imports<'_> {
             return Err(self.nothing(nobody, &[why, strangers].concat()));
         }
         warnings.extend(strangers);
+        one_case_of(rows.iter().map(|row| &row.participant))?;
         rows.sort_by(|a, b| {
             let key = |r: &Row| (r.moment, r.scale, r.item);
             a.participant.cmp(&b.participant).then(key(a).cmp(&key(b)))

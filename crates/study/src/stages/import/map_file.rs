@@ -1,7 +1,7 @@
 //! A map of columns as a file: what an export calls otherwise than by convention.
 
 use super::grid::HowToRead;
-use crate::{atomic_write::read_text, error::StudyError};
+use crate::{atomic_write::read_text, error::StudyError, tables::keys::composed};
 use maveric_domain::{Moment, Scale, survey::Item};
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path};
@@ -53,7 +53,7 @@ pub(super) fn is_filled_in(path: &Path) -> Result<bool, StudyError> {
 impl MapFile {
     pub(super) fn read(path: &Path) -> Result<Self, StudyError> {
         let text = read_text(path)?;
-        toml::from_str(&text)
+        toml::from_str(&composed(&text))
             .map_err(|e| StudyError::file(path, format!("not a map of columns: {e}")))
     }
 

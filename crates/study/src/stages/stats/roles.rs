@@ -57,6 +57,11 @@ impl Roles {
             let help = "name another column for one of them";
             return Err(StudyError::not_possible(problem).with_help(help));
         }
+        for role in [Role::Subject, Role::Within, Role::Between, Role::Predictor] {
+            for name in self.of(role).filter(|name| table.has(name)) {
+                table.one_case(name)?;
+            }
+        }
         let Some(subjects) = self.subjects(table)? else {
             return Ok(());
         };
