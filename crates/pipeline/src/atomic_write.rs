@@ -28,7 +28,7 @@ pub enum Durability {
 /// Writes a file beside its place by `fill`, then renames it there; creates the directory if need be. What killed programs were writing
 /// in that directory goes.
 ///
-/// The file is as readable as any other, less the umask.
+/// The file is as readable as any other, less the umask; in the place of one that its owner alone may read it stays so.
 ///
 /// # Errors
 /// What `fill` says; [`PipelineError::Io`] if the directory or the file cannot be written. Whatever stood there before stays as it was.
@@ -45,7 +45,7 @@ pub fn atomic_write<E: From<PipelineError>>(
     let prefix = named_after(path);
     builder.prefix(&prefix).suffix(FRESH.1);
     #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(mode_for(path)));
     let mut file = builder.tempfile_in(folder).map_err(failed())?;
     // Where the disk knows no locks nobody takes one, and nobody finds the file free.
     let _ = file.as_file().try_lock();
@@ -93,6 +93,14 @@ pub fn while_held<T>(
         std::thread::sleep(pause);
         (fresh, pause) = (back, 2 * pause);
     }
+}
+
+/// The mode of a file that is written to this place: its owner's alone if that of the file there is.
+#[cfg(unix)]
+fn mode_for(path: &Path) -> u32 {
+    use std::os::unix::fs::PermissionsExt as _;
+    let is_owners = fs::metadata(path).is_ok_and(|m| m.permissions().mode() & 0o077 == 0);
+    if is_owners { 0o600 } else { 0o666 }
 }
 
 fn folder_of(path: &Path) -> &Path {
@@ -204,5 +212,8 @@ mod tests {
         atomic_write_bytes(&ours, b"", Durability::Written).unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
         assert_eq!(mode(&usual), mode(&ours));
+        fs::set_permissions(&ours, fs::Permissions::from_mode(0o600)).unwrap();
+        atomic_write_bytes(&ours, b"again", Durability::Written).unwrap();
+        assert_eq!(mode(&ours) & 0o777, 0o600);
     }
 }

@@ -87,6 +87,7 @@ impl Files {
         if !place.people.exists() {
             let (people, nobody) = (&place.people, &mut Standing::default());
             tables::write_people(people, &place.study.design, (&[], &[], false), nobody)?;
+            owners_alone(&place.people)?;
             place.people_made = true;
         }
         Ok(())
@@ -205,9 +206,10 @@ impl Files {
             attached: Some((RECORD, lines.as_bytes())),
             note,
         };
-        Ok(atomic_write(&path, |file| {
+        atomic_write(&path, |file| {
             Ok(write_mcap_with(&again.rollout.recording, &meta, &beside, file)?)
-        })?)
+        })?;
+        owners_alone(&path)
     }
 
     /// Writes how the dial was turned in a ride, `(s, points)`, in the study's points.
@@ -279,6 +281,7 @@ impl Files {
         let stopped = place.study.resolve(Path::new(STOPPED));
         if !collected.stopped.is_empty() || stopped.is_file() {
             write_rows(TableName::Stopped, &stopped, &collected.stopped)?;
+            owners_alone(&stopped)?;
         }
         self.lent(&collected.lent)?;
         write_rows(TableName::Notes, &records(NOTES), &collected.notes)?;
@@ -313,6 +316,7 @@ impl Files {
         let path = place.study.resolve(Path::new(LENT));
         if !rows.is_empty() || path.is_file() {
             write_lent(&path, rows)?;
+            owners_alone(&path)?;
         }
         Ok(())
     }
@@ -325,9 +329,21 @@ impl Files {
             let people = (given, without, place.people_made);
             tables::write_people(&place.people, &place.study.design, people, &mut standing)?;
             tables::write_answers(&place.answers, given, &mut standing)?;
+            owners_alone(&place.people)?;
+            owners_alone(&place.answers)?;
         }
         Ok(standing)
     }
+}
+
+/// Lets nobody but its owner read a file of what people gave, if it is there; a later write keeps that.
+fn owners_alone(path: &Path) -> Result<(), SeatError> {
+    #[cfg(unix)]
+    if path.is_file() {
+        let mode = std::os::unix::fs::PermissionsExt::from_mode(0o600);
+        std::fs::set_permissions(path, mode).map_err(|source| SeatError::io(path, source))?;
+    }
+    Ok(())
 }
 
 /// The texts of a protocol, read from the study's folder: in the study's language first, then in the others among which people choose, whose

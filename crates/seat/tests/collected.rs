@@ -247,3 +247,21 @@ fn whoever_is_learned_from_is_asked_for_their_style_and_is_forgotten_with_the_an
     seat.forget("P001").unwrap();
     assert_eq!(kept(), others);
 }
+
+#[cfg(unix)]
+#[test]
+fn tables_and_logs_are_readable_by_owner_alone() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let (folder, server, token) = one_person();
+    while go_on(&server, &token) {}
+    drop(server);
+    let study = maveric_study::DesignFile::read(&folder.path().join("study.toml")).unwrap();
+    let answers = study.resolve(&study.design.files().answers);
+    let logs = study.resolve(&study.design.files().logs).join("seat");
+    let logs = fs::read_dir(logs).unwrap().map(|entry| entry.unwrap().path());
+    let files = [answers, study.people_file(None)].into_iter().chain(logs);
+    for path in files {
+        let mode = fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600, "{}", path.display());
+    }
+}
