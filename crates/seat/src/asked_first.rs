@@ -2,6 +2,7 @@
 
 use crate::{
     error::SeatError,
+    escaped::plain,
     markup::{form_field, html, html_with_way_back, to_lab},
     request::{Answered, Refused, Shared, with_help},
     seat::Seat,
@@ -14,6 +15,8 @@ use axum::{
     response::Response,
     routing::get,
 };
+use path_slash::PathExt as _;
+use std::path::PathBuf;
 
 const LONGEST_REASON: usize = 200;
 
@@ -79,11 +82,17 @@ async fn forget(
         Err(error @ SeatError::Nobody { .. }) => Err(with_help(error)),
         other => Ok(other?),
     });
-    gone.await?;
+    let gone = gone.await?;
     shared.refusals.forget(&participant);
     let words = shared.words();
     let say = |name| words.plain(name, &[("who", &participant)]);
-    let body = format!("<p>{}</p>", say("lasting"));
+    let left = gone.study.map_or_else(Vec::new, |study| study.left);
+    let mut body = format!("<p>{}</p>", say("lasting"));
+    if !left.is_empty() {
+        let file = |path: &PathBuf| format!("<li>{}", plain(&path.to_slash_lossy()));
+        let files: String = left.iter().map(file).collect();
+        body += &format!("<p>{}</p><ul>{files}</ul>", say("lab_forgotten_left"));
+    }
     Ok(html_with_way_back(words, &say("lab_forgotten"), &body))
 }
 

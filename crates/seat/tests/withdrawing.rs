@@ -124,8 +124,9 @@ fn after_the_day_that_the_consent_names_it_is_said_that_nothing_can_be_taken_bac
 
 #[test]
 fn the_laboratory_can_forget_somebody_and_is_asked_first() {
-    let (_folder, server, token) = one_person();
+    let (folder, server, token) = one_person();
     while go_on(&server, &token) {}
+    fs::write(folder.path().join("memo.txt"), "P002: as ill as p001").unwrap();
     let cookie = entered(&server);
     let with = &[("Cookie", cookie.as_str())];
     let (_, asks) = server.ask("GET", "/lab/forget/P001", "", with);
@@ -135,6 +136,7 @@ fn the_laboratory_can_forget_somebody_and_is_asked_first() {
     assert!(status != 200 && server.state(&token)["ended"] == "done");
     let (status, reply) = server.ask("POST", "/lab/forget/P001", "", with);
     assert_eq!(status, 200, "{reply}");
+    tells(&reply, &["still name P001", "memo.txt"]);
     assert_eq!(server.state(&token)["ended"], "deleted");
     replies(server.ask("POST", "/lab/forget/P009", "", with), 400, "P009");
 }
@@ -153,6 +155,7 @@ fn notes_that_name_somebody_go_with_them_and_those_of_others_stay() {
         while go_on(&server, &token) {}
     }
     note(&server, "P001:+zebra-sick");
+    note(&server, "as+p001+said:+zebra-sick");
     note(&server, "P002+and+P001x:+lion-well");
     server.seat.write_files().unwrap();
     assert!(holding(folder.path(), &["zebra-sick"]).len() >= 2);

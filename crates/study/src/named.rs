@@ -1,21 +1,29 @@
 //! Whether a text names somebody, and what it says without the names.
 
+use std::borrow::Cow;
+
 /// What stands in the place of a name that is not given away.
 pub(crate) const HIDDEN: &str = "…";
 
-/// Where an id stands in a text as a word of its own.
-fn places(text: &str, id: &str) -> impl Iterator<Item = usize> {
+/// Where an id stands in a text as a word of its own, in any capitals if it has a digit: without one it may be a word of a sentence.
+fn places(text: &str, id: &str) -> Vec<usize> {
     let inside = |c: Option<char>| c.is_some_and(char::is_alphanumeric);
-    let alone = move |at: &usize| {
+    let alone = |at: &usize| {
         let (before, after) = (&text[..*at], &text[*at + id.len()..]);
         !inside(before.chars().next_back()) && !inside(after.chars().next())
     };
-    text.match_indices(id).map(|(at, _)| at).filter(alone)
+    // Letters of ASCII keep their length, so places are those of the text.
+    let (searched, wanted) = if id.bytes().any(|b| b.is_ascii_digit()) {
+        (Cow::Owned(text.to_ascii_lowercase()), Cow::Owned(id.to_ascii_lowercase()))
+    } else {
+        (Cow::Borrowed(text), Cow::Borrowed(id))
+    };
+    searched.match_indices(&*wanted).map(|(at, _)| at).filter(alone).collect()
 }
 
 /// Whether an id stands in a text as a word of its own.
 pub(crate) fn names(text: &str, id: &str) -> bool {
-    places(text, id).next().is_some()
+    !places(text, id).is_empty()
 }
 
 /// An id that texts have as a number.
@@ -37,8 +45,7 @@ pub(crate) fn without<'a>(text: &str, ids: impl IntoIterator<Item = &'a str>) ->
 /// The text with a name for an id.
 pub(crate) fn with(text: &str, id: &str, name: &str) -> String {
     let mut renamed = text.to_owned();
-    let standing: Vec<usize> = places(text, id).collect();
-    for at in standing.into_iter().rev() {
+    for at in places(text, id).into_iter().rev() {
         renamed.replace_range(at..at + id.len(), name);
     }
     renamed
@@ -60,6 +67,9 @@ mod tests {
     fn a_text_is_about_whom_it_names_and_a_number_in_it_is_nobody() {
         assert!(is_about("P001: felt sick", "P001"));
         assert!(!is_about("P0010: felt sick", "P001"));
+        assert!(is_about("p001 felt sick", "P001") && is_about("like P001", "p001"));
+        assert!(!is_about("a person felt sick", "A"));
+        assert_eq!(without("p1 and P1", ["P1"]), "… and …");
         assert!(!is_about("stopped after 12 minutes", "12"));
     }
 }
