@@ -61,7 +61,16 @@ async fn stop(State(shared): State<Shared>) -> Response {
     )
 }
 
-async fn asks_to_forget(State(shared): State<Shared>, Path(participant): Path<String>) -> Response {
+async fn asks_to_forget(
+    State(shared): State<Shared>,
+    Path(participant): Path<String>,
+) -> Answered<Response> {
+    let who = participant.clone();
+    let known = shared.blocking(move |seat: &Seat| match seat.knows(&who) {
+        Err(error @ SeatError::Nobody { .. }) => Err(with_help(error)),
+        other => Ok(other?),
+    });
+    known.await?;
     let words = shared.words();
     let say = |name| words.plain(name, &[("who", &participant)]);
     let body = format!(
@@ -70,7 +79,7 @@ async fn asks_to_forget(State(shared): State<Shared>, Path(participant): Path<St
         say("lasting"),
         say("lab_forget_it")
     );
-    html_with_way_back(words, &say("lab_forget_title"), &body)
+    Ok(html_with_way_back(words, &say("lab_forget_title"), &body))
 }
 
 async fn forget(

@@ -58,13 +58,17 @@ fn known(in_store: &[String], files: &Files, participant: &str) -> Result<(), Se
     })
 }
 
+/// The ids of everybody who is or was in the seat's file.
+fn ids_in(store: &Store) -> Result<Vec<String>, SeatError> {
+    store.look(|b| {
+        let people = b.ids()?.into_iter();
+        Ok(people.chain(b.forgotten()?).collect())
+    })
+}
+
 /// Takes somebody's rows out of the seat's file; their token, if they had one.
 fn take_out(store: &Store, files: &Files, participant: &str) -> Result<Option<String>, SeatError> {
-    let ids = store.look(|b| {
-        let people = b.ids()?.into_iter();
-        Ok::<_, SeatError>(people.chain(b.forgotten()?).collect::<Vec<_>>())
-    })?;
-    known(&ids, files, participant)?;
+    known(&ids_in(store)?, files, participant)?;
     let (token, lent) =
         store.within(|b| Ok::<_, SeatError>((b.forget(participant)?, b.lent()?)))?;
     files.lent(&lent)?;
@@ -72,6 +76,14 @@ fn take_out(store: &Store, files: &Files, participant: &str) -> Result<Option<St
 }
 
 impl Seat {
+    /// Refuses an id that nobody has or had.
+    ///
+    /// # Errors
+    /// [`SeatError::Nobody`] with the nearest id.
+    pub(crate) fn knows(&self, participant: &str) -> Result<(), SeatError> {
+        known(&ids_in(&self.store)?, &self.settings.files, participant)
+    }
+
     /// Takes away all that is kept of somebody but their id: rows, drives, logs, answers, style, events; then the bytes that they leave
     /// in the seat's file.
     ///
