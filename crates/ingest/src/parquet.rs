@@ -93,7 +93,7 @@ fn checked(bytes: &[u8]) -> Result<bool, String> {
     }
 }
 
-/// Reads Parquet: its checksum first, where it carries one; then `columns`, or all.
+/// Reads Parquet: its checksum first, where it carries one; then `columns`, or all that hold numbers, words, times, or yes and no.
 ///
 /// # Errors
 /// A sentence, where the bytes are damaged or no Parquet; polars' own panics on damaged files among them.
@@ -117,7 +117,12 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
         let groups = footer.row_groups.iter();
         let rows = groups.map(|group| group.num_rows() as u64).sum::<u64>();
         let rows = rows.max(footer.num_rows as u64);
-        let width = columns.map_or(footer.schema_descr.fields().len(), <[String]>::len) as u64;
+        // Of other types polars may know nothing, not even that it does not.
+        let schema = reader.schema().map_err(|e| first_line(&e))?;
+        let readable = schema.iter().filter(|(_, field)| is_readable(&field.dtype));
+        let readable = readable.map(|(name, _)| name.to_string());
+        let columns = columns.map_or_else(|| readable.collect(), <[String]>::to_vec);
+        let width = columns.len() as u64;
         if rows.saturating_mul(width) > most {
             return Err(format!(
                 "it announces {rows} rows of {width} column{}: expected at most {most} cells in a file of this size; write it in several files, or only the rows of the drive",
@@ -127,7 +132,7 @@ pub fn read_parquet(bytes: Vec<u8>, columns: Option<&[String]>) -> Result<Parque
         let frame = reader
             // On this thread, where a panic can be caught without a word.
             .read_parallel(ParallelStrategy::None)
-            .with_columns(columns.map(<[String]>::to_vec))
+            .with_columns(Some(columns))
             .finish()
             .map_err(|e| first_line(&e))?;
         Ok(ParquetFile { frame, metadata, checked })

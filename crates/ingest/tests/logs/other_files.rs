@@ -228,3 +228,19 @@ fn only_chosen_channels_are_decoded_and_a_summary_that_lies_is_not_believed() {
     assert_eq!(lie.recording, honest.recording);
     assert_eq!(misfits(&lie.warnings), 300, "everything was read");
 }
+
+#[test]
+fn parquet_with_unreadable_column_gives_the_others() {
+    // Written by pyarrow 26: the columns of a pair, and one of a type that no measurement has.
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/logs/parquet");
+    for kind in ["struct", "list", "float16", "decimal256", "map"] {
+        let path = folder.join(format!("{kind}.parquet"));
+        let file = maveric_ingest::read_parquet(std::fs::read(&path).unwrap(), None);
+        let frame = file.map_or_else(|why| panic!("{kind}: {why}"), |file| file.frame);
+        let names: Vec<String> = frame.get_column_names().iter().map(ToString::to_string).collect();
+        assert_eq!(names, ["time", "ego_speed", "gap", "lead_speed"], "{kind}");
+        assert_eq!(frame.height(), 30);
+        let inspected = maveric_ingest::inspect_with(&path, &IngestSettings::default());
+        assert!(inspected.is_ok(), "{kind}: {:?}", inspected.err().map(|e| e.to_string()));
+    }
+}
