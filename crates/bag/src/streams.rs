@@ -265,15 +265,13 @@ impl<T: Take, F: FnMut(&Channel, Option<&OwnedSchema>) -> T> Visitor for Collect
         for (id, before) in channels.into_iter().rev() {
             let channel = declared.channels.remove_entry(&id);
             // A stream of this chunk is gone as well.
-            match before.and_then(|i| Some((i, self.read.streams.get(i)?))) {
-                Some((i, stream)) => {
-                    self.ids.insert(id, i);
-                    declared.channels.insert(id, Channel { id, ..stream.channel.clone() });
-                }
-                None => {
-                    self.ids.remove(&id);
-                    declared.doubtful_channels.extend(channel);
-                }
+            let before = before.and_then(|i| Some((i, self.read.streams.get(i)?)));
+            if let Some((i, stream)) = before {
+                self.ids.insert(id, i);
+                declared.channels.insert(id, Channel { id, ..stream.channel.clone() });
+            } else {
+                self.ids.remove(&id);
+                declared.doubtful_channels.extend(channel);
             }
         }
         for id in schemas {

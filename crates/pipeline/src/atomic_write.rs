@@ -99,8 +99,8 @@ pub fn while_held<T>(
 #[cfg(unix)]
 fn mode_for(path: &Path) -> u32 {
     use std::os::unix::fs::PermissionsExt as _;
-    let is_owners = fs::metadata(path).is_ok_and(|m| m.permissions().mode() & 0o077 == 0);
-    if is_owners { 0o600 } else { 0o666 }
+    let others = |m: fs::Metadata| m.permissions().mode() & 0o077;
+    if fs::metadata(path).map(others).ok() == Some(0) { 0o600 } else { 0o666 }
 }
 
 fn folder_of(path: &Path) -> &Path {

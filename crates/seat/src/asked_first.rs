@@ -100,7 +100,7 @@ async fn forget(
     if !left.is_empty() {
         let file = |path: &PathBuf| format!("<li>{}", plain(&path.to_slash_lossy()));
         let files: String = left.iter().map(file).collect();
-        body += &format!("<p>{}</p><ul>{files}</ul>", say("lab_forgotten_left"));
+        body += &["<p>", &say("lab_forgotten_left"), "</p><ul>", &files, "</ul>"].concat();
     }
     Ok(html_with_way_back(words, &say("lab_forgotten"), &body))
 }

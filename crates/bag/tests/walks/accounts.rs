@@ -339,7 +339,9 @@ fn recording_behind_another_is_read_with_recovery() {
     let log = packed(None);
     let mut other = bare(WriteOptions::new().compression(None));
     let topics: Vec<usize> = (0..other.len()).filter(|&i| other[i..].starts_with(b"/a")).collect();
-    topics.iter().for_each(|&at| other[at + 1] = b'c');
+    for at in topics {
+        other[at + 1] = b'c';
+    }
     let (notes, walked) = recovered(&[&log[..], &other].concat());
     assert_eq!(walked.damage.len(), 1, "{:?}", walked.damage);
     assert_eq!(notes.messages.len(), 2 * ALL);

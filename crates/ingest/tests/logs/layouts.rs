@@ -408,8 +408,8 @@ fn length_of_zero_is_reported_in_pairs_and_platoons() {
             "[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n{UNITS}[table.columns]\ntime = \"t\"\nego_speed = \"v\"\n\
              gap = \"gap\"\nlead_speed = \"v\"\nego_length = \"l\"\nlead_length = \"k\"\n"
         );
-        let rows: String =
-            (0..60).map(|i| format!("{},20,30,{ego},{lead}\n", f64::from(i) / 10.0)).collect();
+        let row = |i| format!("{},20,30,{ego},{lead}\n", f64::from(i) / 10.0);
+        let rows: String = (0..60).map(row).collect();
         let found = mapped(&toml, &format!("t,v,gap,l,k\n{rows}")).unwrap();
         (stood_in(&found[0], "ego's"), stood_in(&found[0], "leader's"))
     };
@@ -421,9 +421,8 @@ fn length_of_zero_is_reported_in_pairs_and_platoons() {
             "[table]\nlayout = \"platoon\"\ngap_kind = \"bumper_to_bumper\"\n{UNITS}[table.columns]\ntime = \"t\"\nspeed = \"v{{n}}\"\n\
              gap = \"gap{{n}}\"\nlength = \"l{{n}}\"\n"
         );
-        let rows: String = (0..60)
-            .map(|i| format!("{},20,20,30,{first},{second}\n", f64::from(i) / 10.0))
-            .collect();
+        let row = |i| format!("{},20,20,30,{first},{second}\n", f64::from(i) / 10.0);
+        let rows: String = (0..60).map(row).collect();
         let found = mapped(&toml, &format!("t,v1,v2,gap1,l1,l2\n{rows}")).unwrap();
         (stood_in(&found[0], "ego's"), stood_in(&found[0], "leader's"))
     };

@@ -119,7 +119,8 @@ fn only_ego() -> String {
 #[test]
 fn leader_without_gap_or_speed_is_a_hole_in_pairs() {
     let read = |columns: &str, row: &dyn Fn(u32) -> String| {
-        let named: String = columns.split(' ').map(|c| format!("{c} = \"{c}\"\n")).collect();
+        let name = |c| format!("{c} = \"{c}\"\n");
+        let named: String = columns.split(' ').map(name).collect();
         let mapping = format!(
             "[table]\nlayout = \"pair\"\ngap_kind = \"bumper_to_bumper\"\n{UNITS}[table.columns]\n{named}"
         );

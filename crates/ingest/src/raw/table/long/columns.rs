@@ -136,13 +136,16 @@ pub(super) fn read_rows(
     Ok(long_table)
 }
 
+/// The names of vehicles, and for each group of columns the place of the name that each row holds.
+type WideIds = (Vec<String>, Vec<Vec<Option<u32>>>);
+
 /// Returns the names of vehicles that have columns of their own, sorted, and for each group of columns the place of the name that
 /// each row holds: that of `id`, else the group's own.
 fn wide_ids(
     table: &Table,
     columns: &LongColumns,
     groups: &[String],
-) -> Result<(Vec<String>, Vec<Vec<Option<u32>>>), IngestError> {
+) -> Result<WideIds, IngestError> {
     let Some(id) = &columns.id else {
         let places = (0..).zip(groups).map(|(id, _)| vec![Some(id); table.rows()]).collect();
         return Ok((groups.to_vec(), places));

@@ -45,7 +45,7 @@ impl Test for Mixed {
     }
 
     fn roles(&self) -> Roles {
-        let fixed = self.fixed.iter().flat_map(|formula| formula.predictors());
+        let fixed = self.fixed.iter().flat_map(maveric_stats::Formula::predictors);
         Roles::default()
             .and(Role::Subject, [&self.subject])
             .and(Role::Between, &self.between)
