@@ -28,6 +28,7 @@ mod read_table;
 mod resample;
 mod settings;
 mod source;
+mod speed_limits;
 mod speed_windows;
 mod split;
 mod synchronise;

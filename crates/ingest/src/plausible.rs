@@ -5,21 +5,16 @@ use crate::{
     median::median,
     quality::{Warning, WarningKind, report},
     raw::{EgoSamples, RawDrive, Timed},
+    speed_limits::{FASTEST_MPS, JUMP_M, MOVING_MPS},
     speed_windows::{ego_speed, others_speed},
 };
 use maveric_domain::{EgoTrack, Road};
 use std::{ops::RangeInclusive, path::Path};
 
-/// Speeds beyond this are no car's, in m/s.
-pub(crate) const FASTEST_MPS: f64 = 90.0;
 /// Lengths of vehicles outside this are doubted, in m: a moped, a long truck.
 const LENGTHS_M: (f64, f64) = (1.5, 26.0);
-/// Slower than this a speed says little about units, in m/s.
-pub(crate) const MOVING_MPS: f64 = 2.0;
 /// How long a position may stay as it is while ego drives, in s: some receivers give one a second.
 const HELD_S: f64 = 2.0;
-/// Steps that are longer by this than any car drives are jumps, in m: positions are known to some metres.
-pub(crate) const JUMP_M: f64 = 10.0;
 /// Samples that a comparison of speed and movement needs.
 const ENOUGH: usize = 20;
 /// Speeds over what positions change a second that belong together.

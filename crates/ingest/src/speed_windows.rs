@@ -1,9 +1,9 @@
 //! Whether speeds fit positions in each window of a drive: a signal that is lost for a while is right on the whole.
 
 use crate::{
-    plausible::{FASTEST_MPS, JUMP_M, MOVING_MPS},
     quality::{Warning, WarningKind},
     raw::{EgoSamples, ObjectSamples},
+    speed_limits::{FASTEST_MPS, JUMP_M, MOVING_MPS},
 };
 use std::{collections::BTreeMap, path::Path};
 

@@ -1,7 +1,7 @@
 //! A leader that has no number of its own: it is another one where it jumps or is of another length.
 
 use super::ObjectSample;
-use crate::plausible::FASTEST_MPS;
+use crate::speed_limits::FASTEST_MPS;
 
 /// A leader that jumps further than this is another one, in m.
 const JUMP_M: f64 = 5.0;

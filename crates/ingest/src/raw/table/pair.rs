@@ -4,9 +4,9 @@ use super::{TableDrive, TableLog, ids, lane::Lanes, open::Kind, parts::stamps};
 use crate::{
     error::IngestError,
     mapping::{GapKind, Pair, Point},
-    plausible::MOVING_MPS,
     quality::{WarningKind, report},
     raw::{EgoSample, EgoSamples, LEADER, ObjectSample, PairRows, RawDrive, Sighting},
+    speed_limits::MOVING_MPS,
 };
 use maveric_domain::Sees;
 use std::{collections::BTreeMap, path::Path};
