@@ -30,7 +30,9 @@ fn openacc_has_four_drives_whose_gap_is_the_spacing(folder: &Path) {
     assert_eq!(files.len(), 4);
     for path in &files {
         let found = read_log(path, &settings).unwrap().remove(0);
-        assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+        // The files give a length of 0, which is reported as unknown.
+        let others = found.warnings.iter().filter(|w| !w.what.contains("length"));
+        assert_eq!(others.count(), 0, "{:?}", found.warnings);
         assert_eq!((found.recording.rows(), found.recording.others().len()), (12_433, 1));
         assert!((found.recording.rate_hz() - 10.0).abs() < 1e-12);
         let drive = Drive::from_recording(found.meta, &found.recording).unwrap();
